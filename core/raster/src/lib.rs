@@ -1,0 +1,14 @@
+//! Samples: tiles, kernels, readers and writers of raster files.
+//!
+//! Invariant: everything here is a pure function of files and arguments; nothing knows of graphs,
+//! caches of tiles, projects or GPUs. No input makes it panic, hang, or take memory in proportion
+//! to what a header merely claims.
+
+pub mod block;
+pub mod colour;
+pub mod file;
+pub mod tile;
+
+pub use block::{Bands, Block};
+pub use file::{Cancel, PixelRect, RasterFile, RasterInfo};
+pub use tile::{Normal, Sample, SampleType, Tile};

@@ -1,0 +1,256 @@
+//! Tiles: immutable, shared squares of stored samples, as caches keep them and GPUs take them.
+
+use std::sync::Arc;
+
+use half::f16;
+use relievo_planet::TILE_SAMPLES;
+
+use crate::{Bands, Block, colour};
+
+/// Samples of a tile.
+const AREA: usize = (TILE_SAMPLES * TILE_SAMPLES) as usize;
+
+/// How a tile stores a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SampleType {
+    /// f32 metres, NaN is nodata.
+    Height,
+    /// Straight RGBA, 8 bits each, sRGB encoded.
+    Rgba8,
+    /// Straight RGBA, half floats, sRGB encoded and unbounded above.
+    Rgba16F,
+    /// Colours exactly as nodes compute them: straight RGBA, four f32 (a pinned input).
+    Rgba32F,
+    /// 8-bit weight.
+    Mask,
+    /// East and north component of the unit normal as half floats.
+    Normal,
+}
+
+impl SampleType {
+    /// What a block of such samples holds.
+    pub const fn bands(self) -> Bands {
+        match self {
+            Self::Height => Bands::Height,
+            Self::Rgba8 | Self::Rgba16F | Self::Rgba32F => Bands::Colour,
+            Self::Mask => Bands::Mask,
+            Self::Normal => Bands::Normal,
+        }
+    }
+
+    /// Bytes a stored sample takes.
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::Mask => 1,
+            Self::Height | Self::Rgba8 | Self::Normal => 4,
+            Self::Rgba16F => 8,
+            Self::Rgba32F => 16,
+        }
+    }
+}
+
+/// One stored sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sample {
+    /// Height in metres.
+    Height(f32),
+    /// Straight RGBA.
+    Rgba8([u8; 4]),
+    /// Straight RGBA.
+    Rgba16F([f16; 4]),
+    /// Straight RGBA.
+    Rgba32F([f32; 4]),
+    /// Weight in 255ths.
+    Mask(u8),
+    /// Surface normal.
+    Normal(Normal),
+}
+
+/// East and north component of a unit surface normal; (0, 0) is level ground.
+pub type Normal = [f16; 2];
+
+/// The samples of a tile: row by row from the north, interleaved.
+#[derive(Clone, Debug)]
+enum Content {
+    Uniform(Sample),
+    Height(Arc<[f32]>),
+    Rgba8(Arc<[[u8; 4]]>),
+    Rgba16F(Arc<[[f16; 4]]>),
+    Rgba32F(Arc<[[f32; 4]]>),
+    Mask(Arc<[u8]>),
+    Normal(Arc<[Normal]>),
+}
+
+/// An immutable tile of [`TILE_SAMPLES`]² samples; a clone shares the samples.
+///
+/// A uniform tile holds one value and no buffer. [`Tile::from_block`] finds out, so nodes need not.
+#[derive(Clone, Debug)]
+pub struct Tile {
+    content: Content,
+    height_range_m: Option<(f32, f32)>,
+}
+
+impl Tile {
+    /// Stores a block of [`TILE_SAMPLES`]² samples, rounding to `to`; finds uniform content and the
+    /// range of heights.
+    ///
+    /// # Panics
+    /// If the block has another size or other bands than `to` stores.
+    pub fn from_block(block: &Block, to: SampleType) -> Self {
+        assert_eq!(block.samples().len(), AREA * to.bands().planes(), "a block of a tile's size");
+        assert_eq!(block.bands(), to.bands(), "bands of the sample type");
+        let [p, q, r, s] = core::array::from_fn(|i| block.plane(i.min(to.bands().planes() - 1)));
+        let content = match to {
+            SampleType::Height => shared(AREA, |i| p[i], |a, b| a.to_bits() == b.to_bits())
+                .map_or_else(|v| Content::Uniform(Sample::Height(v)), Content::Height),
+            SampleType::Rgba8 => shared(AREA, |i| [p[i], q[i], r[i], s[i]].map(colour::to_u8), <[u8; 4]>::eq)
+                .map_or_else(|v| Content::Uniform(Sample::Rgba8(v)), Content::Rgba8),
+            SampleType::Rgba16F => shared(AREA, |i| [p[i], q[i], r[i], s[i]].map(f16::from_f32), <[f16; 4]>::eq)
+                .map_or_else(|v| Content::Uniform(Sample::Rgba16F(v)), Content::Rgba16F),
+            SampleType::Rgba32F => shared(AREA, |i| [p[i], q[i], r[i], s[i]], <[f32; 4]>::eq)
+                .map_or_else(|v| Content::Uniform(Sample::Rgba32F(v)), Content::Rgba32F),
+            SampleType::Mask => shared(AREA, |i| colour::to_u8(p[i]), u8::eq)
+                .map_or_else(|v| Content::Uniform(Sample::Mask(v)), Content::Mask),
+            SampleType::Normal => shared(AREA, |i| [p[i], q[i]].map(f16::from_f32), <[f16; 2]>::eq)
+                .map_or_else(|v| Content::Uniform(Sample::Normal(v)), Content::Normal),
+        };
+        let height_range_m = (to == SampleType::Height).then(|| range(p)).flatten();
+        Self { content, height_range_m }
+    }
+
+    /// A tile with the same sample everywhere.
+    pub fn uniform(sample: Sample) -> Self {
+        let height_range_m = match sample {
+            Sample::Height(h) if !h.is_nan() => Some((h, h)),
+            _ => None,
+        };
+        Self { content: Content::Uniform(sample), height_range_m }
+    }
+
+    /// How samples are stored.
+    pub fn sample_type(&self) -> SampleType {
+        match &self.content {
+            Content::Uniform(Sample::Height(_)) | Content::Height(_) => SampleType::Height,
+            Content::Uniform(Sample::Rgba8(_)) | Content::Rgba8(_) => SampleType::Rgba8,
+            Content::Uniform(Sample::Rgba16F(_)) | Content::Rgba16F(_) => SampleType::Rgba16F,
+            Content::Uniform(Sample::Rgba32F(_)) | Content::Rgba32F(_) => SampleType::Rgba32F,
+            Content::Uniform(Sample::Mask(_)) | Content::Mask(_) => SampleType::Mask,
+            Content::Uniform(Sample::Normal(_)) | Content::Normal(_) => SampleType::Normal,
+        }
+    }
+
+    /// The one sample of a uniform tile.
+    pub fn as_uniform(&self) -> Option<Sample> {
+        if let Content::Uniform(sample) = self.content { Some(sample) } else { None }
+    }
+
+    /// Stored samples as bytes, row by row from the north; `None` for a uniform tile.
+    pub fn bytes(&self) -> Option<&[u8]> {
+        match &self.content {
+            Content::Uniform(_) => None,
+            Content::Height(s) => Some(bytemuck::cast_slice(s)),
+            Content::Rgba8(s) => Some(bytemuck::cast_slice(s)),
+            Content::Rgba16F(s) => Some(bytemuck::cast_slice(s)),
+            Content::Rgba32F(s) => Some(bytemuck::cast_slice(s)),
+            Content::Mask(s) => Some(s),
+            Content::Normal(s) => Some(bytemuck::cast_slice(s)),
+        }
+    }
+
+    /// Memory it keeps in bytes, its own struct included.
+    pub fn memory(&self) -> usize {
+        size_of::<Self>() + self.bytes().map_or(0, <[u8]>::len)
+    }
+
+    /// Lowest and highest height in metres, nodata left out; `None` without any height.
+    pub fn height_range_m(&self) -> Option<(f32, f32)> {
+        self.height_range_m
+    }
+
+    /// The sample at (column, row), both below [`TILE_SAMPLES`].
+    ///
+    /// # Panics
+    /// If it lies outside.
+    pub fn sample(&self, column: usize, row: usize) -> Sample {
+        assert!(column.max(row) < TILE_SAMPLES as usize, "a sample of the tile");
+        let i = row * TILE_SAMPLES as usize + column;
+        match &self.content {
+            Content::Uniform(sample) => *sample,
+            Content::Height(s) => Sample::Height(s[i]),
+            Content::Rgba8(s) => Sample::Rgba8(s[i]),
+            Content::Rgba16F(s) => Sample::Rgba16F(s[i]),
+            Content::Rgba32F(s) => Sample::Rgba32F(s[i]),
+            Content::Mask(s) => Sample::Mask(s[i]),
+            Content::Normal(s) => Sample::Normal(s[i]),
+        }
+    }
+
+    /// Writes the rectangle of samples at `from` into `out` at `to` as working f32.
+    ///
+    /// # Panics
+    /// If `out` holds other bands or a rectangle does not fit.
+    pub fn copy_to(&self, from: (usize, usize), out: &mut Block, to: (usize, usize), size: (usize, usize)) {
+        assert_eq!(out.bands(), self.sample_type().bands(), "a block of the tile's bands");
+        let side = TILE_SAMPLES as usize;
+        assert!(from.0 + size.0 <= side && from.1 + size.1 <= side, "a rectangle of the tile");
+        let width = out.width();
+        for y in 0..size.1 {
+            let (s, d) = ((from.1 + y) * side + from.0, (to.1 + y) * width + to.0);
+            let (source, target) = (s..s + size.0, d..d + size.0);
+            match &self.content {
+                Content::Uniform(sample) => {
+                    for (plane, v) in working(*sample).iter().take(out.bands().planes()).enumerate() {
+                        out.plane_mut(plane)[target.clone()].fill(*v);
+                    }
+                }
+                Content::Height(t) => out.plane_mut(0)[target].copy_from_slice(&t[source]),
+                Content::Mask(t) => spread(&t[source], target, out, |v| [colour::from_u8(v)]),
+                Content::Rgba8(t) => spread(&t[source], target, out, |v| v.map(colour::from_u8)),
+                Content::Rgba16F(t) => spread(&t[source], target, out, |v| v.map(f16::to_f32)),
+                Content::Rgba32F(t) => spread(&t[source], target, out, |v| v),
+                Content::Normal(t) => spread(&t[source], target, out, |v| v.map(f16::to_f32)),
+            }
+        }
+    }
+}
+
+/// Working values of a sample, one a plane; the rest is 0.
+fn working(sample: Sample) -> [f32; 4] {
+    match sample {
+        Sample::Height(h) => [h, 0.0, 0.0, 0.0],
+        Sample::Rgba8(c) => c.map(colour::from_u8),
+        Sample::Rgba16F(c) => c.map(f16::to_f32),
+        Sample::Rgba32F(c) => c,
+        Sample::Mask(w) => [colour::from_u8(w), 0.0, 0.0, 0.0],
+        Sample::Normal([e, n]) => [e.to_f32(), n.to_f32(), 0.0, 0.0],
+    }
+}
+
+fn spread<T: Copy, const N: usize>(
+    source: &[T],
+    target: core::ops::Range<usize>,
+    out: &mut Block,
+    working: impl Fn(T) -> [f32; N],
+) {
+    let planes: [&mut [f32]; N] = out.planes_mut();
+    for (i, v) in target.zip(source) {
+        for (plane, w) in working(*v).into_iter().enumerate() {
+            planes[plane][i] = w;
+        }
+    }
+}
+
+/// `Ok` with all samples shared, or `Err` with the one that they all equal.
+fn shared<T: Copy>(count: usize, sample: impl Fn(usize) -> T, same: impl Fn(&T, &T) -> bool) -> Result<Arc<[T]>, T> {
+    let first = sample(0);
+    if (1..count).all(|i| same(&sample(i), &first)) {
+        return Err(first);
+    }
+    Ok((0..count).map(sample).collect())
+}
+
+fn range(heights: &[f32]) -> Option<(f32, f32)> {
+    // min and max ignore a NaN operand.
+    let (low, high) = heights.iter().fold((f32::NAN, f32::NAN), |(l, h), v| (l.min(*v), h.max(*v)));
+    (!low.is_nan()).then_some((low, high))
+}
