@@ -1,0 +1,116 @@
+//! What a front-end needs to draw one frame: plain data.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use relievo_planet::{Camera, LevelKey, MapPoint, Planet, SampleRect};
+use relievo_raster::Tile;
+
+/// Which stack of clip levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ClipKind {
+    /// Heights, f32 metres; NaN never arrives (nodata is 0 m).
+    Height,
+    /// Straight RGBA, 8 bits, sRGB encoded.
+    Colour,
+    /// East and north component of the surface normal, half floats.
+    Normal,
+}
+
+/// One clip level as the front-end shows it: a toroidal window and what of it may be read.
+///
+/// Sample (i, j) of the level is stored at texel (i mod N, j mod N) of array layer `layer`.
+/// Rectangles are in the same unwrapped indices as `focus_in_sample`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelView {
+    /// Layer of the clipmap's texture array; stays the same while the level's n does.
+    pub layer: u32,
+    /// The level.
+    pub level: LevelKey,
+    /// Continuous sample coordinates of the focus, near the middle of the window.
+    pub focus_in_sample: DVec2,
+    /// Samples that hold this revision's values; everything outside is unspecified.
+    pub valid: SampleRect,
+    /// The part of `valid` that has faded in already; inside `valid`.
+    pub settled: SampleRect,
+    /// Weight 0 to 1 of what lies in `valid` but not in `settled`.
+    pub fade: f32,
+    /// Weight 0 to 1 of the whole level, below 1 while the finest level fades in or out.
+    pub weight: f32,
+}
+
+/// Samples to copy into a clipmap texture before this frame is drawn.
+#[derive(Clone, Debug)]
+pub struct Upload {
+    /// Which clipmap.
+    pub clipmap: ClipKind,
+    /// Array layer.
+    pub layer: u32,
+    /// First texel written; the rectangle does not cross the torus seam.
+    pub storage: [u32; 2],
+    /// The samples; a uniform tile has no buffer.
+    pub tile: Arc<Tile>,
+    /// First sample of the tile that is copied.
+    pub source: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+/// Light of the sun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Unit vector towards the sun, world space.
+    pub direction_in_world: DVec3,
+    /// Light from elsewhere, 0 to 1.
+    pub ambient: f32,
+}
+
+/// Everything that a frame shows: one revision of the project.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Counts revisions; a frame never mixes two.
+    pub revision: u64,
+    /// The planet; its sphere places vertices.
+    pub planet: Planet,
+    /// Factor on heights.
+    pub exaggeration: f64,
+    /// The viewer.
+    pub camera: Camera,
+    /// Width over height of the viewport.
+    pub aspect: f64,
+    /// Near plane in metres.
+    pub near_m: f64,
+    /// Where rings and windows are centred.
+    pub focus: MapPoint,
+    /// Outermost ring to draw (0 is the cap beyond ring 0's rim where the planet needs it; see
+    /// `relievo_planet::clipmap::rings`).
+    pub first_ring: u32,
+    /// The finest ring; the disc inside it is filled.
+    pub fill_ring: u32,
+    /// Azimuth sectors to draw of each ring from `first_ring` to `fill_ring`: one bit a sector.
+    pub sectors: Vec<u32>,
+    /// Size N of the height windows in samples.
+    pub height_window: u32,
+    /// Size N of the colour and normal windows in samples.
+    pub colour_window: u32,
+    /// Height levels, coarse to fine; the first covers what the others do not.
+    pub heights: Vec<LevelView>,
+    /// Colour levels, coarse to fine. Empty when the project has no visible colour.
+    pub colours: Vec<LevelView>,
+    /// Normal levels, coarse to fine. Empty when nothing is lit.
+    pub normals: Vec<LevelView>,
+    /// The sun.
+    pub sun: Sun,
+    /// Samples to copy, in order.
+    pub uploads: Vec<Upload>,
+    /// Visible tiles that are still to come.
+    pub pending: usize,
+}
+
+impl Frame {
+    /// Whether the picture is as good as it will get: nothing to come, nothing fading.
+    pub fn is_converged(&self) -> bool {
+        let settled = |l: &LevelView| l.settled == l.valid && l.weight >= 1.0;
+        self.pending == 0 && [&self.heights, &self.colours, &self.normals].into_iter().flatten().all(settled)
+    }
+}
