@@ -7,6 +7,7 @@
 pub mod block;
 pub mod colour;
 pub mod file;
+pub mod reduce;
 pub mod tile;
 
 pub use block::{Bands, Block};
