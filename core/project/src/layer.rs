@@ -1,0 +1,372 @@
+//! Layers of the runtime document.
+
+use core::fmt;
+
+use crate::Extra;
+
+/// Names a layer for as long as the project lives: 1 to 64 ASCII letters, digits, `-`, `_` and `.`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LayerId(pub String);
+
+impl LayerId {
+    /// Longest id in bytes.
+    pub const MAX_BYTES: usize = 64;
+
+    /// Whether the text is a valid id.
+    pub fn is_valid(text: &str) -> bool {
+        (1..=Self::MAX_BYTES).contains(&text.len())
+            && text.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.'))
+    }
+}
+
+impl fmt::Display for LayerId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl From<&str> for LayerId {
+    fn from(text: &str) -> Self {
+        Self(text.to_owned())
+    }
+}
+
+/// One layer of the stack.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Stable id, unique in the project.
+    pub id: LayerId,
+    /// What people call it; up to 1000 bytes.
+    pub name: String,
+    /// Whether it takes part. Default true.
+    pub visible: bool,
+    /// How much of it covers what lies below, 0 to 1; heights are mixed in the same way. Default 1.
+    pub opacity: f64,
+    /// Whether edits in the window are refused. Default false.
+    pub locked: bool,
+    /// What it is.
+    pub kind: LayerKind,
+    /// Unknown fields of the file; for [`LayerKind::Unknown`] all of the layer's own fields.
+    pub extra: Extra,
+}
+
+impl Layer {
+    /// A visible, opaque, unlocked layer.
+    pub fn new(id: LayerId, name: impl Into<String>, kind: LayerKind) -> Self {
+        Self { id, name: name.into(), visible: true, opacity: 1.0, locked: false, kind, extra: Extra::new() }
+    }
+
+    /// The file behind the layer, where there is one.
+    pub fn source(&self) -> Option<&Source> {
+        match &self.kind {
+            LayerKind::Imagery(imagery) => Some(&imagery.source),
+            LayerKind::Height(height) => Some(&height.source),
+            LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => None,
+        }
+    }
+}
+
+/// What a layer is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LayerKind {
+    /// Colours from a raster file.
+    Imagery(ImageryLayer),
+    /// Heights from a raster file.
+    Height(HeightLayer),
+    /// Heights from fractal noise.
+    Noise(NoiseLayer),
+    /// Colours from the heights of all height layers.
+    Tint(TintLayer),
+    /// A kind that a newer program made: kept, shown by name, without effect.
+    Unknown {
+        /// The kind's name in the file.
+        kind: String,
+    },
+}
+
+impl LayerKind {
+    /// The kind's name in the file: `imagery`, `height`, `noise`, `tint` or the unknown name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Imagery(_) => "imagery",
+            Self::Height(_) => "height",
+            Self::Noise(_) => "noise",
+            Self::Tint(_) => "tint",
+            Self::Unknown { kind } => kind,
+        }
+    }
+}
+
+/// A raster file and how to read it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The file: relative to the project's folder with forward slashes (`data/a.tif`, `../b.jpg`),
+    /// or absolute. See [`resolve_path`](crate::resolve_path).
+    pub path: String,
+    /// Where its pixels lie, where the file does not say or says it wrongly.
+    pub georeference: Option<Georeference>,
+    /// The value that means "no data", instead of the file's own.
+    pub nodata: Option<f64>,
+    /// How samples between pixels are made. Default bilinear.
+    pub resampling: Resampling,
+    /// Width in metres on the ground over which the layer fades in from its edge, 0 (a hard edge, the
+    /// default) to 10⁷.
+    pub edge_fade_m: f64,
+}
+
+impl Source {
+    /// The file with everything else as it says itself.
+    pub fn new(path: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            georeference: None,
+            nodata: None,
+            resampling: Resampling::Bilinear,
+            edge_fade_m: 0.0,
+        }
+    }
+}
+
+/// Replaces what a file says about its place. At least one of both is given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Georeference {
+    /// The coordinate system: `EPSG:n`, `ESRI:n` or a proj string. `None`: the file's own; where
+    /// that says nothing, longitude and latitude in degrees.
+    pub crs: Option<String>,
+    /// Outer edges of the image in units of the system. `None`: the file's own transform.
+    pub extent: Option<Extent>,
+    /// Unknown fields of the file.
+    pub extra: Extra,
+}
+
+/// Outer edges of a north-up image, in degrees in geographic systems, else in the system's unit
+/// (mostly metres). `east` exceeds `west` (add 360° across the antimeridian), `north` exceeds `south`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Left edge.
+    pub west: f64,
+    /// Bottom edge.
+    pub south: f64,
+    /// Right edge.
+    pub east: f64,
+    /// Top edge.
+    pub north: f64,
+}
+
+/// How samples between pixels are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Resampling {
+    /// The nearest pixel.
+    Nearest,
+    /// Linear between 2 × 2 pixels.
+    #[default]
+    Bilinear,
+    /// Cubic between 4 × 4 pixels.
+    Bicubic,
+}
+
+/// How a layer's colour meets what lies below.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Blend {
+    /// Covers.
+    #[default]
+    Normal,
+    /// Product: darkens.
+    Multiply,
+    /// Sum: lightens.
+    Add,
+    /// Inverted product of the inverses: lightens gently.
+    Screen,
+    /// Multiply in shadows, screen in lights.
+    Overlay,
+}
+
+/// Colour adjustment; the default changes nothing. Applied in the order of the fields' list, gain
+/// and offset first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adjust {
+    /// Added to all channels, −1 to 1. Default 0.
+    pub brightness: f64,
+    /// Factor on the distance from mid grey, 0 to 4. Default 1.
+    pub contrast: f64,
+    /// Turn of the hue in degrees, −180 to 180. Default 0.
+    pub hue_deg: f64,
+    /// Factor on saturation, 0 (grey) to 4. Default 1.
+    pub saturation: f64,
+    /// Exponent 1/γ on display-referred values: γ 0.1 to 10, above 1 lightens. Default 1.
+    pub gamma: f64,
+    /// Factor for red, green and blue, 0 to 16 each. Default 1.
+    pub gain: [f64; 3],
+    /// Added to red, green and blue after the gain, −1 to 1 each. Default 0.
+    pub offset: [f64; 3],
+    /// Unknown fields of the file.
+    pub extra: Extra,
+}
+
+impl Default for Adjust {
+    fn default() -> Self {
+        Self {
+            brightness: 0.0,
+            contrast: 1.0,
+            hue_deg: 0.0,
+            saturation: 1.0,
+            gamma: 1.0,
+            gain: [1.0; 3],
+            offset: [0.0; 3],
+            extra: Extra::new(),
+        }
+    }
+}
+
+impl Adjust {
+    /// Whether it changes no colour.
+    pub fn is_identity(&self) -> bool {
+        Self { extra: Extra::new(), ..self.clone() } == Self::default()
+    }
+}
+
+/// Colours from a raster file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageryLayer {
+    /// The file.
+    pub source: Source,
+    /// Which bands are red, green, blue (and alpha), counted from 1: one (grey), three or four.
+    /// `None`: as the file says.
+    pub bands: Option<Vec<u16>>,
+    /// How it meets the layers below.
+    pub blend: Blend,
+    /// Colour adjustment.
+    pub adjust: Adjust,
+}
+
+impl ImageryLayer {
+    /// The file, unadjusted.
+    pub fn new(source: Source) -> Self {
+        Self { source, bands: None, blend: Blend::Normal, adjust: Adjust::default() }
+    }
+}
+
+/// Heights from a raster file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightLayer {
+    /// The file.
+    pub source: Source,
+    /// Which band, counted from 1. `None`: the first.
+    pub band: Option<u16>,
+    /// Metres per unit of the file, −10⁶ to 10⁶. Default 1.
+    pub vertical_scale: f64,
+    /// Metres added after scaling, −10⁷ to 10⁷. Default 0.
+    pub offset_m: f64,
+}
+
+impl HeightLayer {
+    /// The file, its values as metres.
+    pub fn new(source: Source) -> Self {
+        Self { source, band: None, vertical_scale: 1.0, offset_m: 0.0 }
+    }
+}
+
+/// Heights from fractal noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseLayer {
+    /// The noise.
+    pub noise: Noise,
+}
+
+/// Fractal 3-D simplex noise on the sphere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Chooses the pattern.
+    pub seed: u32,
+    /// Largest height of the first octave in metres, 0 to 10⁶.
+    pub amplitude_m: f64,
+    /// Wavelength of the first octave in metres, 10⁻³ to 10⁹.
+    pub wavelength_m: f64,
+    /// Number of octaves, 1 to 32. Default 8.
+    pub octaves: u32,
+    /// Factor on the frequency from octave to octave, 1 to 8. Default 2.
+    pub lacunarity: f64,
+    /// Factor on the amplitude from octave to octave (persistence), 0 to 1. Default 0.5.
+    pub gain: f64,
+    /// Whether octaves are folded to sharp ridges. Default false.
+    pub ridged: bool,
+    /// Metres added to the noise, −10⁷ to 10⁷. Default 0.
+    pub offset_m: f64,
+    /// Whether it adds to the heights below or replaces them.
+    pub mode: NoiseMode,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            amplitude_m: 1000.0,
+            wavelength_m: 1_000_000.0,
+            octaves: 8,
+            lacunarity: 2.0,
+            gain: 0.5,
+            ridged: false,
+            offset_m: 0.0,
+            mode: NoiseMode::Add,
+        }
+    }
+}
+
+/// How noise meets the heights below.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum NoiseMode {
+    /// Replaces them (mixed by opacity).
+    Replace,
+    /// Adds to them; where there are none, to 0.
+    #[default]
+    Add,
+}
+
+/// Colours from heights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TintLayer {
+    /// The colours.
+    pub tint: Tint,
+    /// How it meets the layers below.
+    pub blend: Blend,
+    /// Colour adjustment.
+    pub adjust: Adjust,
+}
+
+/// A table of colours by height.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tint {
+    /// 1 to 1000 stops, heights strictly rising. Below the first and above the last their colours
+    /// continue.
+    pub stops: Vec<TintStop>,
+    /// What happens between stops. Default smooth.
+    pub interpolation: TintInterpolation,
+}
+
+/// The colour at a height.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TintStop {
+    /// Metres, −10⁷ to 10⁷.
+    pub height_m: f64,
+    /// sRGB red, green, blue.
+    pub colour: [u8; 3],
+    /// Unknown fields of the file.
+    pub extra: Extra,
+}
+
+impl TintStop {
+    /// A stop.
+    pub fn new(height_m: f64, colour: [u8; 3]) -> Self {
+        Self { height_m, colour, extra: Extra::new() }
+    }
+}
+
+/// What happens between two stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum TintInterpolation {
+    /// Colours change linearly.
+    #[default]
+    Smooth,
+    /// The lower stop's colour holds up to the next.
+    Stepped,
+}
