@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
-use relievo_planet::{Camera, LevelKey, MapPoint, Planet, SampleRect};
+use glam::DVec3;
+use relievo_planet::clipmap::{Plan, Window, choose};
+use relievo_planet::{Camera, Planet};
 use relievo_raster::Tile;
 
 /// Which stack of clip levels.
@@ -17,26 +18,18 @@ pub enum ClipKind {
     Normal,
 }
 
-/// One clip level as the front-end shows it: a toroidal window and what of it may be read.
+/// One clip level as the front-end shows it.
 ///
-/// Sample (i, j) of the level is stored at texel (i mod N, j mod N) of array layer `layer`.
-/// Rectangles are in the same unwrapped indices as `focus_in_sample`.
+/// Sample (i, j) of the level is stored at the texel that [`Window::storage_of`] says, of array
+/// layer `layer`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelView {
     /// Layer of the clipmap's texture array; stays the same while the level's n does.
     pub layer: u32,
-    /// The level.
-    pub level: LevelKey,
-    /// Continuous sample coordinates of the focus, near the middle of the window.
-    pub focus_in_sample: DVec2,
-    /// Samples that hold this revision's values; everything outside is unspecified.
-    pub valid: SampleRect,
-    /// The part of `valid` that has faded in already; inside `valid`.
-    pub settled: SampleRect,
-    /// Weight 0 to 1 of what lies in `valid` but not in `settled`.
-    pub fade: f32,
-    /// Weight 0 to 1 of the whole level, below 1 while the finest level fades in or out.
-    pub weight: f32,
+    /// What the level's storage holds.
+    pub window: Window,
+    /// What shaders are told: position, scale, valid and settled rectangle, fade.
+    pub view: choose::LevelView,
 }
 
 /// Samples to copy into a clipmap texture before this frame is drawn.
@@ -76,19 +69,12 @@ pub struct Frame {
     pub exaggeration: f64,
     /// The viewer.
     pub camera: Camera,
-    /// Width over height of the viewport.
-    pub aspect: f64,
+    /// Width and height of the picture in pixels that the plan was made for.
+    pub viewport_px: [u32; 2],
     /// Near plane in metres.
     pub near_m: f64,
-    /// Where rings and windows are centred.
-    pub focus: MapPoint,
-    /// Outermost ring to draw (0 is the cap beyond ring 0's rim where the planet needs it; see
-    /// `relievo_planet::clipmap::rings`).
-    pub first_ring: u32,
-    /// The finest ring; the disc inside it is filled.
-    pub fill_ring: u32,
-    /// Azimuth sectors to draw of each ring from `first_ring` to `fill_ring`: one bit a sector.
-    pub sectors: Vec<u32>,
+    /// Where to draw what: rings and their visible sectors, the disc, the cap, the eye.
+    pub plan: Arc<Plan>,
     /// Size N of the height windows in samples.
     pub height_window: u32,
     /// Size N of the colour and normal windows in samples.
@@ -110,7 +96,7 @@ pub struct Frame {
 impl Frame {
     /// Whether the picture is as good as it will get: nothing to come, nothing fading.
     pub fn is_converged(&self) -> bool {
-        let settled = |l: &LevelView| l.settled == l.valid && l.weight >= 1.0;
+        let settled = |l: &LevelView| l.view.fade >= 1.0;
         self.pending == 0 && [&self.heights, &self.colours, &self.normals].into_iter().flatten().all(settled)
     }
 }
