@@ -88,8 +88,8 @@ fn studio_arguments(
     all
 }
 
-/// Sets up what is missing and runs all tests: `core` first and alone, then the rest, then the
-/// examples of the documentation.
+/// Sets up what is missing and runs all tests: `core` first and alone, then the rest, the
+/// examples in the documentation included.
 pub(crate) fn test(gpu: bool) -> Result<()> {
     setup::ensure(gpu, Display::None)?;
     let has_nextest = setup::runs("cargo", &["nextest", "--version"]);
@@ -121,34 +121,54 @@ pub(crate) fn test(gpu: bool) -> Result<()> {
     }
 }
 
-/// The runs of a whole test: a name and Cargo's arguments each.
+/// The runs of a whole test: a name and Cargo's arguments each. Each selection of packages is
+/// built with its own set of features, so that the runs of one selection share their builds.
 fn test_runs(runner: Runner, gpu: bool) -> Vec<(&'static str, Vec<&'static str>)> {
-    let runner: &[&str] = match runner {
-        Runner::Nextest => &["nextest", "run", "--no-fail-fast"],
-        Runner::Cargo => &["test", "--no-fail-fast", "--tests"],
-    };
-    let excluded = |packages: &[&'static str]| -> Vec<&'static str> {
+    let with = |option: &'static str, packages: &[&'static str]| -> Vec<&'static str> {
         packages
             .iter()
-            .flat_map(|package| ["--exclude", package])
+            .flat_map(|package| [option, package])
             .collect()
     };
-    let mut core = runner.to_vec();
-    core.extend(CORE.iter().flat_map(|package| ["--package", package]));
-    let mut rest = runner.to_vec();
-    let mut examples = vec!["test", "--doc", "--no-fail-fast", "--workspace"];
-    rest.push("--workspace");
-    rest.extend(excluded(&CORE));
+    let core = with("--package", &CORE);
+    let mut rest = vec!["--workspace"];
+    rest.extend(with("--exclude", &CORE));
+    let mut filter: &[&str] = &[];
     if !gpu {
-        rest.extend(excluded(&NEEDS_DEVICE));
-        examples.extend(excluded(&NEEDS_DEVICE));
-        rest.extend(["--", "--skip", ON_DEVICE]);
+        rest.extend(with("--exclude", &NEEDS_DEVICE));
+        filter = &["--", "--skip", ON_DEVICE];
     }
-    vec![
-        ("core alone", core),
-        ("the other crates", rest),
-        ("examples in the documentation", examples),
-    ]
+    match runner {
+        // One call runs the examples in the documentation too.
+        Runner::Cargo => vec![
+            (
+                "core alone",
+                [&["test", "--no-fail-fast"], &core[..]].concat(),
+            ),
+            (
+                "the other crates",
+                [&["test", "--no-fail-fast"], &rest[..], filter].concat(),
+            ),
+        ],
+        Runner::Nextest => vec![
+            (
+                "core alone",
+                [&["nextest", "run", "--no-fail-fast"], &core[..]].concat(),
+            ),
+            (
+                "core's documentation",
+                [&["test", "--doc", "--no-fail-fast"], &core[..]].concat(),
+            ),
+            (
+                "the other crates' documentation",
+                [&["test", "--doc", "--no-fail-fast"], &rest[..]].concat(),
+            ),
+            (
+                "the other crates",
+                [&["nextest", "run", "--no-fail-fast"], &rest[..], filter].concat(),
+            ),
+        ],
+    }
 }
 
 /// Formatting, clippy and documentation, warnings denied.
@@ -247,44 +267,63 @@ mod tests {
     }
 
     #[test]
-    fn core_is_tested_in_a_run_that_builds_nothing_else() {
+    fn core_is_tested_first_in_a_run_that_builds_nothing_else() {
         for runner in [Runner::Cargo, Runner::Nextest] {
             let runs = test_runs(runner, true);
             let (_, core) = &runs[0];
             assert!(!core.contains(&"--workspace"));
-            let named: Vec<_> = core.iter().skip_while(|a| **a != "--package").collect();
-            assert_eq!(named.len(), 2 * CORE.len());
+            assert!(CORE.iter().all(|package| core.contains(package)));
         }
     }
 
     #[test]
-    fn every_run_goes_on_after_a_failure_and_examples_run_under_either_runner() {
+    fn every_run_goes_on_after_a_failure() {
         for runner in [Runner::Cargo, Runner::Nextest] {
-            let runs = test_runs(runner, true);
             assert!(
-                runs.iter()
+                test_runs(runner, true)
+                    .iter()
                     .all(|(_, arguments)| arguments.contains(&"--no-fail-fast"))
             );
-            assert!(
-                runs.iter()
-                    .any(|(_, arguments)| arguments.contains(&"--doc"))
-            );
         }
     }
 
     #[test]
-    fn without_a_gpu_no_crate_that_opens_a_device_is_tested() {
-        for (_, arguments) in &test_runs(Runner::Nextest, false)[1..] {
-            assert!(
-                NEEDS_DEVICE
-                    .iter()
-                    .all(|package| arguments.contains(package))
-            );
+    fn nextest_which_runs_no_examples_gets_runs_for_them_over_the_same_packages() {
+        let packages = |arguments: &[&'static str]| -> Vec<_> {
+            let first = arguments
+                .iter()
+                .position(|a| ["--package", "--workspace"].contains(a));
+            arguments[first.unwrap()..].to_vec()
+        };
+        let runs = test_runs(Runner::Nextest, true);
+        let (examples, tests): (Vec<_>, Vec<_>) =
+            runs.iter().partition(|(_, a)| a.contains(&"--doc"));
+        let sorted = |runs: Vec<&(&str, Vec<&'static str>)>| {
+            let mut all: Vec<_> = runs
+                .iter()
+                .map(|(_, arguments)| packages(arguments))
+                .collect();
+            all.sort();
+            all
+        };
+        assert_eq!(sorted(examples), sorted(tests));
+    }
+
+    #[test]
+    fn without_a_gpu_no_test_that_opens_a_device_runs() {
+        for runner in [Runner::Cargo, Runner::Nextest] {
+            let runs = test_runs(runner, false);
+            let wide = runs
+                .iter()
+                .filter(|(_, arguments)| arguments.contains(&"--workspace"));
+            for (_, arguments) in wide.clone() {
+                assert!(
+                    NEEDS_DEVICE
+                        .iter()
+                        .all(|package| arguments.contains(package))
+                );
+            }
+            assert!(runs.last().unwrap().1.ends_with(&["--skip", ON_DEVICE]));
         }
-        assert!(
-            test_runs(Runner::Nextest, false)[1]
-                .1
-                .ends_with(&["--skip", ON_DEVICE])
-        );
     }
 }
