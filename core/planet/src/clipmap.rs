@@ -10,11 +10,22 @@
 //! Absent: pixels, textures, caches. Source: [CH06], [CH07] and section 6 of the design.
 
 pub mod choose;
+pub mod cull;
+pub mod focus;
+pub mod levels;
 pub mod plan;
+pub mod planner;
 pub mod rings;
+mod select;
+pub mod valid;
+pub mod view;
 pub mod window;
 
+pub use choose::{LevelChoice, LevelView, colour_level_for, height_level_for};
 pub use plan::{
     ClipKind, HeightRange, LevelPlan, Plan, PlanInput, Quality, RingSectors, TerrainBounds,
 };
+pub use planner::Planner;
+pub use rings::{RingMesh, RingVertex};
+pub use valid::{ValidRect, valid_rect};
 pub use window::{UploadPiece, Window};

@@ -1,0 +1,243 @@
+//! Which tiles of each level the converged picture can read.
+//!
+//! The visible ground is cut into cells of a polar grid around the nadir (azimuths × half octaves of
+//! distance). Each cell that the frustum and the horizon leave over says which depths it shows, hence
+//! which levels its fragments select, and adds its bounding box to those levels. Everything is
+//! conservative, so no visible fragment selects a tile outside; cells are small, so little is wanted
+//! in vain.
+
+use core::f64::consts::{PI, SQRT_2, TAU};
+
+use super::choose::FOOTPRINT_BLEND_OCTAVES;
+use super::cull::{Culler, Patch};
+use super::levels::{longitude_half_width, texel_rad};
+use super::plan::{HeightRange, LevelPlan, TerrainBounds};
+use super::rings::SECTORS;
+use super::valid::EDGE_BAND;
+use super::view::FocusFrame;
+use crate::{MapPoint, SampleRect, TILE_SAMPLES};
+
+/// Azimuth cells around the nadir.
+const CELL_AZIMUTHS: u32 = 24;
+
+/// Ratio of a cell's outer to its inner distance.
+const CELL_RATIO: f64 = SQRT_2;
+
+/// Heights as drawn: a range with exaggeration applied.
+pub(super) fn drawn(range: HeightRange, exaggeration: f64) -> HeightRange {
+    HeightRange {
+        min_m: range.min_m * exaggeration,
+        max_m: range.max_m * exaggeration,
+    }
+}
+
+/// The box of the map that bounds a patch.
+#[derive(Clone, Copy, Debug)]
+struct MapBox {
+    centre: MapPoint,
+    half_lon_rad: f64,
+    colat_rad: (f64, f64),
+}
+
+impl MapBox {
+    fn of(patch: &Patch) -> Self {
+        let centre = MapPoint::from_direction(patch.centre);
+        let colat = centre.colat_rad;
+        Self {
+            centre,
+            half_lon_rad: longitude_half_width(colat, patch.radius_rad),
+            colat_rad: (
+                (colat - patch.radius_rad).max(0.0),
+                (colat + patch.radius_rad).min(PI),
+            ),
+        }
+    }
+
+    /// The samples of a level's window inside the box and `margin` samples around it; empty when
+    /// none is. The second value tells whether the window holds the box with its margin.
+    fn in_window(&self, plan: &LevelPlan, margin: f64) -> (SampleRect, bool) {
+        let step = plan.level.step_rad();
+        let window = plan.window.rect;
+        let around = plan.level.samples();
+        let centre = plan.window.sample_of(self.centre);
+        let rows = (
+            self.colat_rad.0 / step.y - margin,
+            self.colat_rad.1 / step.y + margin,
+        );
+        let (top, bottom) = (
+            (libm::floor(rows.0) as i64).max(0),
+            (libm::ceil(rows.1) as i64).min(around.y),
+        );
+        let half = self.half_lon_rad / step.x + margin;
+        let whole = 2.0 * half >= around.x as f64;
+        let (left, right) = if whole {
+            (window.min.x, window.max.x)
+        } else {
+            (
+                libm::floor(centre.x - half) as i64,
+                libm::ceil(centre.x + half) as i64,
+            )
+        };
+        let mut covered = SampleRect::default();
+        let boxed = SampleRect::new((left, top).into(), (right, bottom).into());
+        for turn in [-1, 0, 1] {
+            let copy = boxed.shift((turn * around.x, 0).into());
+            covered = covered.union(&copy.intersection(&window));
+        }
+        let columns_held = plan.window.is_whole_circle()
+            || (!whole && left >= window.min.x && right <= window.max.x);
+        let held = columns_held && top >= window.min.y && bottom <= window.max.y;
+        (covered, held)
+    }
+}
+
+/// Adds a box to a level's wanted samples; tells whether the window holds all of it.
+fn want(plan: &mut LevelPlan, piece: &MapBox, filter_margin: f64) -> bool {
+    // A reader in the outer band would blend into the coarser level, were its neighbours missing.
+    let (rect, held) = piece.in_window(plan, filter_margin + EDGE_BAND + 1.0);
+    plan.wanted = plan.wanted.union(&rect);
+    held
+}
+
+/// Grows every level's wanted samples to whole tiles.
+pub(super) fn align_to_tiles(levels: &mut [LevelPlan]) {
+    for plan in levels.iter_mut().filter(|p| !p.wanted.is_empty()) {
+        let tile = TILE_SAMPLES;
+        let (min, max) = (plan.wanted.min, plan.wanted.max);
+        plan.wanted = SampleRect::new(
+            min.div_euclid(glam::I64Vec2::splat(tile)) * tile,
+            (max + (tile - 1)).div_euclid(glam::I64Vec2::splat(tile)) * tile,
+        );
+    }
+}
+
+/// What selection needs of a view.
+pub(super) struct Scene<'a> {
+    pub(super) culler: Culler,
+    pub(super) terrain: &'a dyn TerrainBounds,
+    pub(super) exaggeration: f64,
+    pub(super) radius_m: f64,
+    pub(super) pixel_rad: f64,
+    pub(super) horizon_rad: f64,
+    /// Height of the eye above the terrain as an angle.
+    pub(super) clearance_rad: f64,
+}
+
+impl Scene<'_> {
+    /// Drawn heights inside a patch, if it can be seen.
+    pub(super) fn seen(&self, patch: &Patch) -> Option<HeightRange> {
+        let everywhere = drawn(self.terrain.everywhere(), self.exaggeration);
+        if !self.culler.sees(patch, &everywhere) {
+            return None;
+        }
+        let centre = MapPoint::from_direction(patch.centre);
+        let near = drawn(
+            self.terrain.near(centre, patch.radius_rad),
+            self.exaggeration,
+        );
+        self.culler.sees(patch, &near).then_some(near)
+    }
+
+    /// Marks what fragments can select in colour levels (coarse to fine, consecutive in n).
+    pub(super) fn select_colours(&self, nadir: MapPoint, levels: &mut [LevelPlan], margin: f64) {
+        let frame = FocusFrame::at(nadir);
+        let mut inner = 0.0;
+        let mut outer = (0.5 * self.clearance_rad).min(self.horizon_rad / 16.0);
+        loop {
+            if inner == 0.0 {
+                self.select_cell(&Patch::disc(&frame, outer), levels, margin);
+            } else {
+                let step = TAU / f64::from(CELL_AZIMUTHS);
+                for k in 0..CELL_AZIMUTHS {
+                    let from = f64::from(k) * step;
+                    let patch = Patch::sector(&frame, (inner, outer), (from, from + step));
+                    self.select_cell(&patch, levels, margin);
+                }
+            }
+            if outer >= self.horizon_rad || outer >= PI {
+                return;
+            }
+            inner = outer;
+            outer = (outer * CELL_RATIO).min(self.horizon_rad).min(PI);
+        }
+    }
+
+    /// Adds one cell to the levels that its fragments select.
+    fn select_cell(&self, patch: &Patch, levels: &mut [LevelPlan], margin: f64) {
+        let Some(heights) = self.seen(patch) else {
+            return;
+        };
+        let (near_m, far_m) = self.culler.depth_range(patch, &heights);
+        if far_m <= 0.0 || levels.is_empty() {
+            return;
+        }
+        let footprint = |depth_m: f64| depth_m.max(0.0) * self.pixel_rad / self.radius_m;
+        // Rounding of f32 in the shader may shift a selection by this much.
+        let finest = by_footprint(levels, footprint(near_m) * (1.0 - 1e-5));
+        let blend = libm::exp2(f64::from(FOOTPRINT_BLEND_OCTAVES));
+        let coarsest = by_footprint(levels, footprint(far_m) * blend * (1.0 + 1e-5));
+        let piece = MapBox::of(patch);
+        for i in (0..=finest).rev() {
+            let held = want(&mut levels[i], &piece, margin);
+            if held && i <= coarsest {
+                break;
+            }
+        }
+        // A base for everything, so that there is something to show from the first tile on.
+        want(&mut levels[0], &piece, margin);
+    }
+
+    /// Visible sectors of the annulus between two angles around the focus, and what their vertices
+    /// read. `level` is the index of the ring's level; between `rim_rad` and `outer_rad` its vertices
+    /// blend into `rim_level`.
+    pub(super) fn select_ring(
+        &self,
+        frame: &FocusFrame,
+        (inner_rad, rim_rad, outer_rad): (f64, f64, f64),
+        (level, rim_level): (usize, usize),
+        levels: &mut [LevelPlan],
+        margin: f64,
+    ) -> u32 {
+        let mut visible = 0;
+        for k in 0..SECTORS {
+            let step = TAU / f64::from(SECTORS);
+            let azimuths = (f64::from(k) * step, f64::from(k + 1) * step);
+            let body = Patch::sector(frame, (inner_rad, rim_rad), azimuths);
+            let rim = Patch::sector(frame, (rim_rad, outer_rad), azimuths);
+            if self.seen(&body).is_none() && self.seen(&rim).is_none() {
+                continue;
+            }
+            visible |= 1 << k;
+            for (patch, blends) in [(body, false), (rim, true)] {
+                let piece = MapBox::of(&patch);
+                let mut i = level;
+                // What a window does not hold is read from the next coarser one.
+                while !want(&mut levels[i], &piece, margin) && i > 0 {
+                    i -= 1;
+                }
+                if blends {
+                    want(&mut levels[rim_level], &piece, margin);
+                }
+                want(&mut levels[0], &piece, margin);
+            }
+        }
+        visible
+    }
+}
+
+/// Index of the finest level whose texel is not smaller than a footprint (the twin's rule).
+fn by_footprint(levels: &[LevelPlan], footprint_rad: f64) -> usize {
+    levels
+        .iter()
+        .rposition(|l| texel_rad(l.level.n) >= footprint_rad)
+        .unwrap_or(0)
+}
+
+/// Where a view's centre meets the ground, or comes nearest to it.
+pub(super) fn view_centre(view: &super::view::View, ground_radius_m: f64) -> MapPoint {
+    let along = view.forward.dot(view.eye);
+    let inside = along * along - view.eye.length_squared() + ground_radius_m * ground_radius_m;
+    // Past the planet: the point of the ray that is nearest to it.
+    let distance = (-along - inside.max(0.0).sqrt()).max(0.0);
+    MapPoint::from_direction(view.eye + view.forward * distance)
+}
