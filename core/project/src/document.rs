@@ -53,7 +53,11 @@ pub struct PlanetSettings {
 
 impl Default for PlanetSettings {
     fn default() -> Self {
-        Self { body: Body::Earth, vertical_exaggeration: 1.0, extra: Extra::new() }
+        Self {
+            body: Body::Earth,
+            vertical_exaggeration: 1.0,
+            extra: Extra::new(),
+        }
     }
 }
 

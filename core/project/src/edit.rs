@@ -1,8 +1,8 @@
 //! Edits: the only way to change a project.
 
 use crate::{
-    Adjust, Blend, CameraSettings, Georeference, Layer, LayerId, Noise, PlanetSettings, Quality, Resampling, Sun,
-    Tint,
+    Adjust, Blend, CameraSettings, Georeference, Layer, LayerId, Noise, PlanetSettings, Quality,
+    Resampling, Sun, Tint,
 };
 
 /// One change of a project. Values replace the old ones as a whole.

@@ -15,7 +15,9 @@ impl LayerId {
     /// Whether the text is a valid id.
     pub fn is_valid(text: &str) -> bool {
         (1..=Self::MAX_BYTES).contains(&text.len())
-            && text.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.'))
+            && text
+                .bytes()
+                .all(|b| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.'))
     }
 }
 
@@ -53,7 +55,15 @@ pub struct Layer {
 impl Layer {
     /// A visible, opaque, unlocked layer.
     pub fn new(id: LayerId, name: impl Into<String>, kind: LayerKind) -> Self {
-        Self { id, name: name.into(), visible: true, opacity: 1.0, locked: false, kind, extra: Extra::new() }
+        Self {
+            id,
+            name: name.into(),
+            visible: true,
+            opacity: 1.0,
+            locked: false,
+            kind,
+            extra: Extra::new(),
+        }
     }
 
     /// The file behind the layer, where there is one.
@@ -221,7 +231,10 @@ impl Default for Adjust {
 impl Adjust {
     /// Whether it changes no colour.
     pub fn is_identity(&self) -> bool {
-        Self { extra: Extra::new(), ..self.clone() } == Self::default()
+        Self {
+            extra: Extra::new(),
+            ..self.clone()
+        } == Self::default()
     }
 }
 
@@ -242,7 +255,12 @@ pub struct ImageryLayer {
 impl ImageryLayer {
     /// The file, unadjusted.
     pub fn new(source: Source) -> Self {
-        Self { source, bands: None, blend: Blend::Normal, adjust: Adjust::default() }
+        Self {
+            source,
+            bands: None,
+            blend: Blend::Normal,
+            adjust: Adjust::default(),
+        }
     }
 }
 
@@ -262,7 +280,12 @@ pub struct HeightLayer {
 impl HeightLayer {
     /// The file, its values as metres.
     pub fn new(source: Source) -> Self {
-        Self { source, band: None, vertical_scale: 1.0, offset_m: 0.0 }
+        Self {
+            source,
+            band: None,
+            vertical_scale: 1.0,
+            offset_m: 0.0,
+        }
     }
 }
 
@@ -357,7 +380,11 @@ pub struct TintStop {
 impl TintStop {
     /// A stop.
     pub fn new(height_m: f64, colour: [u8; 3]) -> Self {
-        Self { height_m, colour, extra: Extra::new() }
+        Self {
+            height_m,
+            colour,
+            extra: Extra::new(),
+        }
     }
 }
 

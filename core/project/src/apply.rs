@@ -1,0 +1,351 @@
+//! Applying an edit: the one place where a project changes.
+
+use core::mem;
+
+use crate::stored::edits;
+use crate::{Adjust, Blend, Edit, Fault, Layer, LayerId, LayerKind, Project, Source};
+
+/// Deepest nesting of batches.
+const DEEPEST_BATCH: usize = 8;
+
+/// Why an edit cannot be applied. The project is as it was.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EditError {
+    /// No layer has this id.
+    #[error("expected the id of a layer, found {id:?}")]
+    NoSuchLayer {
+        /// The id.
+        id: String,
+    },
+    /// The edit does not fit the kind of the layer.
+    #[error("expected {expected} to set its {what}, found a layer of kind {kind}: {id:?}")]
+    WrongKind {
+        /// The layer.
+        id: String,
+        /// What the edit sets.
+        what: &'static str,
+        /// Kinds of layers that have it.
+        expected: &'static str,
+        /// The layer's kind.
+        kind: String,
+    },
+    /// The id of a layer to add is in use.
+    #[error("expected an id that is not in use, found {id:?}")]
+    IdInUse {
+        /// The id.
+        id: String,
+    },
+    /// A position outside the stack.
+    #[error("expected a position from 0 to {last}, found {index}")]
+    Position {
+        /// Last position that fits.
+        last: usize,
+        /// The position.
+        index: usize,
+    },
+    /// The project would have more layers than a file may hold.
+    #[error("expected at most {most} layers, found one more")]
+    TooManyLayers {
+        /// The limit.
+        most: usize,
+    },
+    /// A value is out of its range or not well formed.
+    #[error("{0}")]
+    Invalid(#[from] Fault),
+    /// An edit of a batch cannot be applied.
+    #[error("edit {index} of the batch: {source}")]
+    InBatch {
+        /// Which, from 0.
+        index: usize,
+        /// Why.
+        source: Box<EditError>,
+    },
+    /// Batches within batches, too deep.
+    #[error("expected batches nested at most 8 deep, found deeper ones")]
+    TooDeep,
+}
+
+impl Project {
+    /// Changes the project and gives the edit that changes it back, to the byte.
+    ///
+    /// # Errors
+    /// Where a value, an id or a position does not fit; the project is then unchanged.
+    pub fn apply(&mut self, edit: Edit) -> Result<Edit, EditError> {
+        if depth(&edit) > DEEPEST_BATCH {
+            return Err(EditError::TooDeep);
+        }
+        edits::check(&edit)?;
+        self.apply_checked(edit)
+    }
+
+    fn apply_checked(&mut self, edit: Edit) -> Result<Edit, EditError> {
+        Ok(match edit {
+            Edit::AddLayer { index, layer } => self.add_layer(index, *layer)?,
+            Edit::RemoveLayer { id } => {
+                let index = self.index(&id)?;
+                let layer = self.layers.remove(index);
+                Edit::AddLayer {
+                    index: Some(index),
+                    layer: Box::new(layer),
+                }
+            }
+            Edit::MoveLayer { id, index } => {
+                let before = self.index(&id)?;
+                let last = self.layers.len() - 1;
+                if index > last {
+                    return Err(EditError::Position { last, index });
+                }
+                let layer = self.layers.remove(before);
+                self.layers.insert(index, layer);
+                Edit::MoveLayer { id, index: before }
+            }
+            Edit::SetName { id, name } => {
+                let name = mem::replace(&mut self.layer_mut(&id)?.name, name);
+                Edit::SetName { id, name }
+            }
+            Edit::SetVisible { id, visible } => {
+                let visible = mem::replace(&mut self.layer_mut(&id)?.visible, visible);
+                Edit::SetVisible { id, visible }
+            }
+            Edit::SetOpacity { id, opacity } => {
+                let opacity = mem::replace(&mut self.layer_mut(&id)?.opacity, opacity);
+                Edit::SetOpacity { id, opacity }
+            }
+            Edit::SetLocked { id, locked } => {
+                let locked = mem::replace(&mut self.layer_mut(&id)?.locked, locked);
+                Edit::SetLocked { id, locked }
+            }
+            Edit::SetBlend { id, blend } => {
+                let blend = mem::replace(self.colour_mut(&id, "blend mode")?.0, blend);
+                Edit::SetBlend { id, blend }
+            }
+            Edit::SetAdjust { id, adjust } => {
+                let adjust = mem::replace(self.colour_mut(&id, "adjustment")?.1, adjust);
+                Edit::SetAdjust { id, adjust }
+            }
+            Edit::SetResampling { id, resampling } => {
+                let resampling = mem::replace(
+                    &mut self.source_mut(&id, "resampling")?.resampling,
+                    resampling,
+                );
+                Edit::SetResampling { id, resampling }
+            }
+            Edit::SetEdgeFade { id, edge_fade_m } => {
+                let edge_fade_m = mem::replace(
+                    &mut self.source_mut(&id, "edge fade")?.edge_fade_m,
+                    edge_fade_m,
+                );
+                Edit::SetEdgeFade { id, edge_fade_m }
+            }
+            Edit::SetPath { id, path } => {
+                let path = mem::replace(&mut self.source_mut(&id, "file")?.path, path);
+                Edit::SetPath { id, path }
+            }
+            Edit::SetGeoreference { id, georeference } => {
+                let slot = &mut self.source_mut(&id, "georeference")?.georeference;
+                let georeference = mem::replace(slot, georeference);
+                Edit::SetGeoreference { id, georeference }
+            }
+            Edit::SetNodata { id, nodata } => {
+                let nodata =
+                    mem::replace(&mut self.source_mut(&id, "nodata value")?.nodata, nodata);
+                Edit::SetNodata { id, nodata }
+            }
+            Edit::SetBands { id, bands } => self.set_bands(id, bands)?,
+            Edit::SetHeightScale {
+                id,
+                vertical_scale,
+                offset_m,
+            } => {
+                let layer = self.layer_mut(&id)?;
+                let LayerKind::Height(height) = &mut layer.kind else {
+                    return Err(wrong_kind(layer, "vertical scale", "a height layer"));
+                };
+                let vertical_scale = mem::replace(&mut height.vertical_scale, vertical_scale);
+                let offset_m = mem::replace(&mut height.offset_m, offset_m);
+                Edit::SetHeightScale {
+                    id,
+                    vertical_scale,
+                    offset_m,
+                }
+            }
+            Edit::SetNoise { id, noise } => {
+                let layer = self.layer_mut(&id)?;
+                let LayerKind::Noise(slot) = &mut layer.kind else {
+                    return Err(wrong_kind(layer, "noise", "a noise layer"));
+                };
+                let noise = mem::replace(&mut slot.noise, noise);
+                Edit::SetNoise { id, noise }
+            }
+            Edit::SetTint { id, tint } => {
+                let layer = self.layer_mut(&id)?;
+                let LayerKind::Tint(slot) = &mut layer.kind else {
+                    return Err(wrong_kind(layer, "tint", "a tint layer"));
+                };
+                let tint = mem::replace(&mut slot.tint, tint);
+                Edit::SetTint { id, tint }
+            }
+            Edit::SetPlanet { planet } => Edit::SetPlanet {
+                planet: mem::replace(&mut self.planet, planet),
+            },
+            Edit::SetExaggeration {
+                vertical_exaggeration,
+            } => {
+                let slot = &mut self.planet.vertical_exaggeration;
+                Edit::SetExaggeration {
+                    vertical_exaggeration: mem::replace(slot, vertical_exaggeration),
+                }
+            }
+            Edit::SetCamera { camera } => Edit::SetCamera {
+                camera: mem::replace(&mut self.camera, camera),
+            },
+            Edit::SetSun { sun } => Edit::SetSun {
+                sun: mem::replace(&mut self.sun, sun),
+            },
+            Edit::SetQuality { quality } => Edit::SetQuality {
+                quality: mem::replace(&mut self.quality, quality),
+            },
+            Edit::Batch { label, edits } => self.apply_batch(label, edits)?,
+        })
+    }
+
+    fn apply_batch(&mut self, label: String, edits: Vec<Edit>) -> Result<Edit, EditError> {
+        let mut inverses = Vec::with_capacity(edits.len());
+        for (index, edit) in edits.into_iter().enumerate() {
+            match self.apply_checked(edit) {
+                Ok(inverse) => inverses.push(inverse),
+                Err(source) => {
+                    for inverse in inverses.into_iter().rev() {
+                        self.apply_checked(inverse)
+                            .expect("an inverse fits the project that its edit left");
+                    }
+                    return Err(EditError::InBatch {
+                        index,
+                        source: Box::new(source),
+                    });
+                }
+            }
+        }
+        inverses.reverse();
+        Ok(Edit::Batch {
+            label,
+            edits: inverses,
+        })
+    }
+
+    fn add_layer(&mut self, index: Option<usize>, layer: Layer) -> Result<Edit, EditError> {
+        let last = self.layers.len();
+        let index = index.unwrap_or(last);
+        if self.layer(&layer.id).is_some() {
+            return Err(EditError::IdInUse { id: layer.id.0 });
+        }
+        if last >= crate::stored::range::MOST_LAYERS {
+            return Err(EditError::TooManyLayers {
+                most: crate::stored::range::MOST_LAYERS,
+            });
+        }
+        if index > last {
+            return Err(EditError::Position { last, index });
+        }
+        let id = layer.id.clone();
+        self.layers.insert(index, layer);
+        Ok(Edit::RemoveLayer { id })
+    }
+
+    fn set_bands(&mut self, id: LayerId, bands: Option<Vec<u16>>) -> Result<Edit, EditError> {
+        let layer = self.layer_mut(&id)?;
+        let bands = match &mut layer.kind {
+            LayerKind::Imagery(imagery) => mem::replace(&mut imagery.bands, bands),
+            LayerKind::Height(height) => {
+                let band = match bands.as_deref() {
+                    None => None,
+                    Some([band]) => Some(*band),
+                    Some(several) => {
+                        return Err(EditError::Invalid(Fault {
+                            pointer: "/bands".to_owned(),
+                            expected: "one band for a height layer".to_owned(),
+                            found: several.len().to_string(),
+                        }));
+                    }
+                };
+                mem::replace(&mut height.band, band).map(|band| vec![band])
+            }
+            LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => {
+                return Err(wrong_kind(layer, "bands", "an imagery or height layer"));
+            }
+        };
+        Ok(Edit::SetBands { id, bands })
+    }
+
+    fn index(&self, id: &LayerId) -> Result<usize, EditError> {
+        self.layer_index(id)
+            .ok_or_else(|| EditError::NoSuchLayer { id: id.0.clone() })
+    }
+
+    fn layer_mut(&mut self, id: &LayerId) -> Result<&mut Layer, EditError> {
+        let index = self.index(id)?;
+        Ok(&mut self.layers[index])
+    }
+
+    fn source_mut(&mut self, id: &LayerId, what: &'static str) -> Result<&mut Source, EditError> {
+        let layer = self.layer_mut(id)?;
+        match &mut layer.kind {
+            LayerKind::Imagery(imagery) => Ok(&mut imagery.source),
+            LayerKind::Height(height) => Ok(&mut height.source),
+            kind @ (LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. }) => {
+                Err(EditError::WrongKind {
+                    id: id.0.clone(),
+                    what,
+                    expected: "an imagery or height layer",
+                    kind: kind.name().to_owned(),
+                })
+            }
+        }
+    }
+
+    fn colour_mut(
+        &mut self,
+        id: &LayerId,
+        what: &'static str,
+    ) -> Result<(&mut Blend, &mut Adjust), EditError> {
+        let layer = self.layer_mut(id)?;
+        match &mut layer.kind {
+            LayerKind::Imagery(imagery) => Ok((&mut imagery.blend, &mut imagery.adjust)),
+            LayerKind::Tint(tint) => Ok((&mut tint.blend, &mut tint.adjust)),
+            kind @ (LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. }) => {
+                Err(EditError::WrongKind {
+                    id: id.0.clone(),
+                    what,
+                    expected: "an imagery or tint layer",
+                    kind: kind.name().to_owned(),
+                })
+            }
+        }
+    }
+}
+
+fn wrong_kind(layer: &Layer, what: &'static str, expected: &'static str) -> EditError {
+    EditError::WrongKind {
+        id: layer.id.0.clone(),
+        what,
+        expected,
+        kind: layer.kind.name().to_owned(),
+    }
+}
+
+/// Depth of nested batches, counted no further than one beyond the limit.
+fn depth(edit: &Edit) -> usize {
+    fn below(edit: &Edit, left: usize) -> usize {
+        match edit {
+            Edit::Batch { edits, .. } if left > 0 => {
+                1 + edits
+                    .iter()
+                    .map(|edit| below(edit, left - 1))
+                    .max()
+                    .unwrap_or(0)
+            }
+            _ => 0,
+        }
+    }
+    below(edit, DEEPEST_BATCH + 1)
+}

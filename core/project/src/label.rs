@@ -1,0 +1,167 @@
+//! What an edit touches and what people call it.
+
+use crate::{Affects, Aspect, Edit, LayerId, Project};
+
+impl Edit {
+    /// The layer it touches, where it touches one.
+    pub fn layer_id(&self) -> Option<&LayerId> {
+        match self {
+            Self::AddLayer { layer, .. } => Some(&layer.id),
+            Self::RemoveLayer { id }
+            | Self::MoveLayer { id, .. }
+            | Self::SetName { id, .. }
+            | Self::SetVisible { id, .. }
+            | Self::SetOpacity { id, .. }
+            | Self::SetLocked { id, .. }
+            | Self::SetBlend { id, .. }
+            | Self::SetAdjust { id, .. }
+            | Self::SetResampling { id, .. }
+            | Self::SetEdgeFade { id, .. }
+            | Self::SetPath { id, .. }
+            | Self::SetGeoreference { id, .. }
+            | Self::SetNodata { id, .. }
+            | Self::SetBands { id, .. }
+            | Self::SetHeightScale { id, .. }
+            | Self::SetNoise { id, .. }
+            | Self::SetTint { id, .. } => Some(id),
+            Self::SetPlanet { .. }
+            | Self::SetExaggeration { .. }
+            | Self::SetCamera { .. }
+            | Self::SetSun { .. }
+            | Self::SetQuality { .. }
+            | Self::Batch { .. } => None,
+        }
+    }
+
+    /// What it touches, sorted, each once.
+    pub fn affects(&self) -> Vec<Affects> {
+        let mut all = Vec::new();
+        self.collect_affects(&mut all);
+        all.sort();
+        all.dedup();
+        all
+    }
+
+    fn collect_affects(&self, all: &mut Vec<Affects>) {
+        let aspect = match self {
+            Self::AddLayer { .. } | Self::RemoveLayer { .. } => Aspect::Presence,
+            Self::MoveLayer { .. } => Aspect::Order,
+            Self::SetName { .. } => Aspect::Name,
+            Self::SetVisible { .. } => Aspect::Visibility,
+            Self::SetOpacity { .. } => Aspect::Opacity,
+            Self::SetLocked { .. } => Aspect::Lock,
+            Self::SetBlend { .. } => Aspect::Blend,
+            Self::SetAdjust { .. } => Aspect::Adjust,
+            Self::SetResampling { .. } => Aspect::Resampling,
+            Self::SetEdgeFade { .. } => Aspect::EdgeFade,
+            Self::SetPath { .. }
+            | Self::SetGeoreference { .. }
+            | Self::SetNodata { .. }
+            | Self::SetBands { .. } => Aspect::Source,
+            Self::SetHeightScale { .. } => Aspect::HeightScale,
+            Self::SetNoise { .. } => Aspect::Noise,
+            Self::SetTint { .. } => Aspect::Tint,
+            Self::SetPlanet { .. } => return all.extend([Affects::Planet, Affects::Exaggeration]),
+            Self::SetExaggeration { .. } => return all.push(Affects::Exaggeration),
+            Self::SetCamera { .. } => return all.push(Affects::Camera),
+            Self::SetSun { .. } => return all.push(Affects::Sun),
+            Self::SetQuality { .. } => return all.push(Affects::Quality),
+            Self::Batch { edits, .. } => {
+                return edits.iter().for_each(|edit| edit.collect_affects(all));
+            }
+        };
+        all.extend(self.layer_id().map(|id| Affects::Layer {
+            id: id.clone(),
+            aspect,
+        }));
+    }
+
+    /// What people call it, for the undo menu: `Opacity of Blue Marble`. `project` knows the names,
+    /// before or after the edit.
+    pub fn label(&self, project: &Project) -> String {
+        let what = match self {
+            Self::AddLayer { .. } => "Add",
+            Self::RemoveLayer { .. } => "Remove",
+            Self::MoveLayer { .. } => "Move",
+            Self::SetName { .. } => "Rename",
+            Self::SetVisible { visible: true, .. } => "Show",
+            Self::SetVisible { visible: false, .. } => "Hide",
+            Self::SetLocked { locked: true, .. } => "Lock",
+            Self::SetLocked { locked: false, .. } => "Unlock",
+            Self::SetOpacity { .. } => "Opacity of",
+            Self::SetBlend { .. } => "Blend mode of",
+            Self::SetAdjust { id, adjust } => adjusted(project, id, adjust),
+            Self::SetResampling { .. } => "Resampling of",
+            Self::SetEdgeFade { .. } => "Edge fade of",
+            Self::SetPath { .. } => "File of",
+            Self::SetGeoreference { .. } => "Place of",
+            Self::SetNodata { .. } => "No-data value of",
+            Self::SetBands { .. } => "Bands of",
+            Self::SetHeightScale { .. } => "Height scale of",
+            Self::SetNoise { .. } => "Noise of",
+            Self::SetTint { .. } => "Colours of",
+            Self::SetPlanet { .. } => return "Planet".to_owned(),
+            Self::SetExaggeration { .. } => return "Vertical exaggeration".to_owned(),
+            Self::SetCamera { .. } => return "Camera".to_owned(),
+            Self::SetSun { .. } => return "Sun".to_owned(),
+            Self::SetQuality { .. } => return "Quality".to_owned(),
+            Self::Batch { label, edits } => {
+                let first = || {
+                    edits
+                        .first()
+                        .map_or_else(|| "Nothing".to_owned(), |edit| edit.label(project))
+                };
+                return if label.is_empty() {
+                    first()
+                } else {
+                    label.clone()
+                };
+            }
+        };
+        let name = match self {
+            Self::AddLayer { layer, .. } => &layer.name,
+            _ => self
+                .layer_id()
+                .and_then(|id| project.layer(id))
+                .map_or("a layer", |layer| layer.name.as_str()),
+        };
+        format!("{what} {name}")
+    }
+
+    /// Edits with equal keys set the same value of the same thing.
+    pub(crate) fn merge_key(&self) -> Option<(core::mem::Discriminant<Self>, Option<LayerId>)> {
+        match self {
+            Self::AddLayer { .. } | Self::RemoveLayer { .. } | Self::Batch { .. } => None,
+            _ => Some((core::mem::discriminant(self), self.layer_id().cloned())),
+        }
+    }
+
+    /// Memory behind it in bytes, about.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        serde_json::to_vec(self).map_or(0, |text| text.len())
+    }
+}
+
+/// Which adjustment differs from the project's, where it is one.
+fn adjusted(project: &Project, id: &LayerId, new: &crate::Adjust) -> &'static str {
+    use crate::LayerKind::{Height, Imagery, Noise, Tint, Unknown};
+    let old = match project.layer(id).map(|layer| &layer.kind) {
+        Some(Imagery(imagery)) => &imagery.adjust,
+        Some(Tint(tint)) => &tint.adjust,
+        Some(Height(_) | Noise(_) | Unknown { .. }) | None => return "Adjustment of",
+    };
+    let changes = [
+        (old.brightness != new.brightness, "Brightness of"),
+        (old.contrast != new.contrast, "Contrast of"),
+        (old.hue_deg != new.hue_deg, "Hue of"),
+        (old.saturation != new.saturation, "Saturation of"),
+        (old.gamma != new.gamma, "Gamma of"),
+        (old.gain != new.gain, "Gain of"),
+        (old.offset != new.offset, "Offset of"),
+    ];
+    let mut changed = changes.iter().filter(|(differs, _)| *differs);
+    match (changed.next(), changed.next()) {
+        (Some((_, what)), None) => what,
+        _ => "Adjustment of",
+    }
+}

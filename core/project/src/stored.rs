@@ -1,0 +1,15 @@
+//! The file's own types, apart from the runtime's: a stored version never changes once released.
+//!
+//! Everything goes through [`serde_json::Value`] with a place in hand, so that every fault names where
+//! it is, and through the same door both ways, so that what can be written can be read.
+
+#[macro_use]
+pub(crate) mod value;
+
+pub(crate) mod convert;
+pub(crate) mod edits;
+pub(crate) mod fault;
+pub(crate) mod migrate;
+pub(crate) mod parse;
+pub(crate) mod range;
+pub(crate) mod v1;

@@ -1,0 +1,419 @@
+//! Layers and what they are made of.
+
+use super::{Twin, filled, text, unless_default};
+use crate::stored::fault::{At, Fault, quote};
+use crate::stored::value::{Stored as _, With};
+use crate::stored::{range, v1};
+use crate::{
+    Adjust, Blend, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind,
+    Noise, NoiseLayer, Resampling, Source, Tint, TintLayer, TintStop,
+};
+
+/// A valid id.
+pub(crate) fn layer_id(id: String, at: &At<'_>) -> Result<LayerId, Fault> {
+    if LayerId::is_valid(&id) {
+        Ok(LayerId(id))
+    } else {
+        Err(at.fault("1 to 64 letters, digits, '-', '_' or '.'", quote(&id)))
+    }
+}
+
+/// A valid name.
+pub(crate) fn layer_name(name: String, at: &At<'_>) -> Result<String, Fault> {
+    text(name, range::LONGEST_NAME, at)
+}
+
+/// A valid path.
+pub(crate) fn source_path(path: String, at: &At<'_>) -> Result<String, Fault> {
+    filled(path, range::LONGEST_PATH, at)
+}
+
+/// Bands of an imagery layer.
+pub(crate) fn bands(bands: &[u32], at: &At<'_>) -> Result<Vec<u16>, Fault> {
+    if !matches!(bands.len(), 1 | 3 | 4) {
+        return Err(at.fault("one, three or four bands", bands.len().to_string()));
+    }
+    bands
+        .iter()
+        .enumerate()
+        .map(|(i, &number)| band(number, &At::Element(at, i)))
+        .collect()
+}
+
+/// A band's number.
+pub(crate) fn band(number: u32, at: &At<'_>) -> Result<u16, Fault> {
+    u16::try_from(number).map_err(|_too_large| at.fault("1 to 65535", number.to_string()))
+}
+
+impl Twin for Layer {
+    type Stored = v1::Layer;
+
+    fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
+        let v1::Layer { base, kind, extra } = stored;
+        let id = layer_id(base.id, &At::Member(at, "id"))?;
+        let name = match base.name {
+            Some(name) => layer_name(name, &At::Member(at, "name"))?,
+            None => id.0.clone(),
+        };
+        let kind = match kind {
+            v1::LayerKind::Imagery(imagery) => {
+                LayerKind::Imagery(ImageryLayer::from_stored(imagery, at)?)
+            }
+            v1::LayerKind::Height(height) => {
+                LayerKind::Height(HeightLayer::from_stored(height, at)?)
+            }
+            v1::LayerKind::Noise(noise) => LayerKind::Noise(NoiseLayer {
+                noise: Noise::from_stored(noise, at)?,
+            }),
+            v1::LayerKind::Tint(tint) => LayerKind::Tint(TintLayer::from_stored(tint, at)?),
+            v1::LayerKind::Unknown => LayerKind::Unknown { kind: base.kind },
+        };
+        Ok(Self {
+            id,
+            name,
+            visible: base.visible.unwrap_or(true),
+            opacity: base.opacity.unwrap_or(1.0),
+            locked: base.locked.unwrap_or(false),
+            kind,
+            extra,
+        })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        v1::Layer {
+            base: v1::LayerBase {
+                id: self.id.0.clone(),
+                name: unless_default(self.name.clone(), &self.id.0),
+                kind: self.kind.name().to_owned(),
+                visible: unless_default(self.visible, &true),
+                opacity: unless_default(self.opacity, &1.0),
+                locked: unless_default(self.locked, &false),
+            },
+            kind: match &self.kind {
+                LayerKind::Imagery(imagery) => v1::LayerKind::Imagery(imagery.to_stored()),
+                LayerKind::Height(height) => v1::LayerKind::Height(height.to_stored()),
+                LayerKind::Noise(noise) => v1::LayerKind::Noise(noise.noise.to_stored()),
+                LayerKind::Tint(tint) => v1::LayerKind::Tint(tint.to_stored()),
+                LayerKind::Unknown { .. } => v1::LayerKind::Unknown,
+            },
+            extra: self.extra.clone(),
+        }
+    }
+}
+
+impl Twin for ImageryLayer {
+    type Stored = v1::Imagery;
+
+    fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
+        Ok(Self {
+            source: Source {
+                path: source_path(stored.path, &At::Member(at, "path"))?,
+                georeference: georeference(stored.georeference, at)?,
+                nodata: stored.nodata,
+                resampling: stored.resampling.map_or(Resampling::Bilinear, Into::into),
+                edge_fade_m: stored.edge_fade_m.unwrap_or(0.0),
+            },
+            bands: stored
+                .bands
+                .map(|given| bands(&given, &At::Member(at, "bands")))
+                .transpose()?,
+            blend: stored.blend.map_or(Blend::Normal, Into::into),
+            adjust: adjust(stored.adjust, at)?,
+        })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        v1::Imagery {
+            path: self.source.path.clone(),
+            georeference: self.source.georeference.as_ref().map(Twin::to_stored),
+            nodata: self.source.nodata,
+            bands: self
+                .bands
+                .as_ref()
+                .map(|bands| bands.iter().copied().map(u32::from).collect()),
+            resampling: unless_default(self.source.resampling, &Resampling::Bilinear)
+                .map(Into::into),
+            edge_fade_m: unless_default(self.source.edge_fade_m, &0.0),
+            blend: unless_default(self.blend, &Blend::Normal).map(Into::into),
+            adjust: unless_default(&self.adjust, &&Adjust::default()).map(Twin::to_stored),
+        }
+    }
+}
+
+impl Twin for HeightLayer {
+    type Stored = v1::Height;
+
+    fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
+        Ok(Self {
+            source: Source {
+                path: source_path(stored.path, &At::Member(at, "path"))?,
+                georeference: georeference(stored.georeference, at)?,
+                nodata: stored.nodata,
+                resampling: stored.resampling.map_or(Resampling::Bilinear, Into::into),
+                edge_fade_m: stored.edge_fade_m.unwrap_or(0.0),
+            },
+            band: stored
+                .band
+                .map(|number| band(number, &At::Member(at, "band")))
+                .transpose()?,
+            vertical_scale: stored.vertical_scale.unwrap_or(1.0),
+            offset_m: stored.offset_m.unwrap_or(0.0),
+        })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        v1::Height {
+            path: self.source.path.clone(),
+            georeference: self.source.georeference.as_ref().map(Twin::to_stored),
+            nodata: self.source.nodata,
+            band: self.band.map(u32::from),
+            resampling: unless_default(self.source.resampling, &Resampling::Bilinear)
+                .map(Into::into),
+            edge_fade_m: unless_default(self.source.edge_fade_m, &0.0),
+            vertical_scale: unless_default(self.vertical_scale, &1.0),
+            offset_m: unless_default(self.offset_m, &0.0),
+        }
+    }
+}
+
+impl Twin for Noise {
+    type Stored = v1::Noise;
+
+    fn from_stored(stored: Self::Stored, _: &At<'_>) -> Result<Self, Fault> {
+        let default = Self::default();
+        Ok(Self {
+            seed: stored.seed.unwrap_or(default.seed),
+            amplitude_m: stored.amplitude_m,
+            wavelength_m: stored.wavelength_m,
+            octaves: stored.octaves.unwrap_or(default.octaves),
+            lacunarity: stored.lacunarity.unwrap_or(default.lacunarity),
+            gain: stored.gain.unwrap_or(default.gain),
+            ridged: stored.ridged.unwrap_or(default.ridged),
+            offset_m: stored.offset_m.unwrap_or(default.offset_m),
+            mode: stored.mode.map_or(default.mode, Into::into),
+        })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        let default = Self::default();
+        v1::Noise {
+            seed: unless_default(self.seed, &default.seed),
+            amplitude_m: self.amplitude_m,
+            wavelength_m: self.wavelength_m,
+            octaves: unless_default(self.octaves, &default.octaves),
+            lacunarity: unless_default(self.lacunarity, &default.lacunarity),
+            gain: unless_default(self.gain, &default.gain),
+            ridged: unless_default(self.ridged, &default.ridged),
+            offset_m: unless_default(self.offset_m, &default.offset_m),
+            mode: unless_default(self.mode, &default.mode).map(Into::into),
+        }
+    }
+}
+
+impl Twin for TintLayer {
+    type Stored = v1::Tint;
+
+    fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
+        Ok(Self {
+            tint: tint(stored.stops, stored.interpolation, at)?,
+            blend: stored.blend.map_or(Blend::Normal, Into::into),
+            adjust: adjust(stored.adjust, at)?,
+        })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        let (stops, interpolation) = stored_tint(&self.tint);
+        v1::Tint {
+            stops,
+            interpolation,
+            blend: unless_default(self.blend, &Blend::Normal).map(Into::into),
+            adjust: unless_default(&self.adjust, &&Adjust::default()).map(Twin::to_stored),
+        }
+    }
+}
+
+/// A tint from its fields.
+pub(crate) fn tint(
+    stops: Vec<With<v1::TintStop>>,
+    interpolation: Option<v1::TintInterpolation>,
+    at: &At<'_>,
+) -> Result<Tint, Fault> {
+    let stops_at = At::Member(at, "stops");
+    if stops.is_empty() || stops.len() > range::MOST_STOPS {
+        return Err(stops_at.fault(
+            format!("1 to {} stops", range::MOST_STOPS),
+            stops.len().to_string(),
+        ));
+    }
+    let mut last = f64::NEG_INFINITY;
+    let mut read = Vec::with_capacity(stops.len());
+    for (i, With { fields, extra }) in stops.into_iter().enumerate() {
+        let stop_at = At::Element(&stops_at, i);
+        if fields.height_m <= last {
+            let higher = format!("more than the stop before, {last}");
+            return Err(At::Member(&stop_at, "height_m").fault(higher, fields.height_m.to_string()));
+        }
+        last = fields.height_m;
+        let colour = colour(&fields.colour).ok_or_else(|| {
+            At::Member(&stop_at, "colour").fault("a colour \"#rrggbb\"", quote(&fields.colour))
+        })?;
+        read.push(TintStop {
+            height_m: fields.height_m,
+            colour,
+            extra,
+        });
+    }
+    Ok(Tint {
+        stops: read,
+        interpolation: interpolation.map_or_else(Default::default, Into::into),
+    })
+}
+
+/// A tint's fields.
+pub(crate) fn stored_tint(tint: &Tint) -> (Vec<With<v1::TintStop>>, Option<v1::TintInterpolation>) {
+    let stops = tint.stops.iter().map(|stop| {
+        let [red, green, blue] = stop.colour;
+        With {
+            fields: v1::TintStop {
+                height_m: stop.height_m,
+                colour: format!("#{red:02x}{green:02x}{blue:02x}"),
+            },
+            extra: stop.extra.clone(),
+        }
+    });
+    let interpolation = unless_default(tint.interpolation, &Default::default()).map(Into::into);
+    (stops.collect(), interpolation)
+}
+
+/// `#rrggbb` as bytes.
+fn colour(text: &str) -> Option<[u8; 3]> {
+    let digits = text
+        .strip_prefix('#')
+        .filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
+    let [_, red, green, blue] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
+    Some([red, green, blue])
+}
+
+impl Twin for Georeference {
+    type Stored = With<v1::Georeference>;
+
+    fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
+        let With { fields, extra } = stored;
+        let extent = match (fields.west, fields.south, fields.east, fields.north) {
+            (None, None, None, None) => None,
+            (Some(west), Some(south), Some(east), Some(north)) => Some(Extent {
+                west,
+                south,
+                east,
+                north,
+            }),
+            _ => {
+                return Err(at.fault(
+                    "all of \"west\", \"south\", \"east\", \"north\", or none",
+                    "some of them",
+                ));
+            }
+        };
+        if let Some(Extent {
+            west,
+            south,
+            east,
+            north,
+        }) = extent
+        {
+            if east <= west {
+                let expected = format!("more than west, {west} (add 360 across the antimeridian)");
+                return Err(At::Member(at, "east").fault(expected, east.to_string()));
+            }
+            if north <= south {
+                return Err(At::Member(at, "north")
+                    .fault(format!("more than south, {south}"), north.to_string()));
+            }
+        }
+        let crs = match fields.crs {
+            Some(crs) => Some(filled(crs, range::LONGEST_PATH, &At::Member(at, "crs"))?),
+            None if extent.is_none() => {
+                return Err(at.fault("\"crs\", the four edges, or both", "neither"));
+            }
+            None => None,
+        };
+        Ok(Self { crs, extent, extra })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        With {
+            fields: v1::Georeference {
+                crs: self.crs.clone(),
+                west: self.extent.map(|e| e.west),
+                south: self.extent.map(|e| e.south),
+                east: self.extent.map(|e| e.east),
+                north: self.extent.map(|e| e.north),
+            },
+            extra: self.extra.clone(),
+        }
+    }
+}
+
+/// The member `georeference` of the object at `at`.
+fn georeference(
+    stored: Option<With<v1::Georeference>>,
+    at: &At<'_>,
+) -> Result<Option<Georeference>, Fault> {
+    stored
+        .map(|given| Georeference::from_stored(given, &At::Member(at, "georeference")))
+        .transpose()
+}
+
+impl Twin for Adjust {
+    type Stored = With<v1::Adjust>;
+
+    fn from_stored(stored: Self::Stored, _: &At<'_>) -> Result<Self, Fault> {
+        let With { fields, extra } = stored;
+        let default = Self::default();
+        Ok(Self {
+            brightness: fields.brightness.unwrap_or(default.brightness),
+            contrast: fields.contrast.unwrap_or(default.contrast),
+            hue_deg: fields.hue_deg.unwrap_or(default.hue_deg),
+            saturation: fields.saturation.unwrap_or(default.saturation),
+            gamma: fields.gamma.unwrap_or(default.gamma),
+            gain: fields.gain.unwrap_or(default.gain),
+            offset: fields.offset.unwrap_or(default.offset),
+            extra,
+        })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        let default = Self::default();
+        With {
+            fields: v1::Adjust {
+                brightness: unless_default(self.brightness, &default.brightness),
+                contrast: unless_default(self.contrast, &default.contrast),
+                hue_deg: unless_default(self.hue_deg, &default.hue_deg),
+                saturation: unless_default(self.saturation, &default.saturation),
+                gamma: unless_default(self.gamma, &default.gamma),
+                gain: unless_default(self.gain, &default.gain),
+                offset: unless_default(self.offset, &default.offset),
+            },
+            extra: self.extra.clone(),
+        }
+    }
+}
+
+/// The member `adjust` of the object at `at`.
+fn adjust(stored: Option<With<v1::Adjust>>, at: &At<'_>) -> Result<Adjust, Fault> {
+    super::optional(stored, &At::Member(at, "adjust"))
+}
+
+/// Whether a runtime layer of an unknown kind hides a known one, which could not be read back.
+pub(crate) fn unknown_is_unknown(layer: &Layer) -> Result<(), Fault> {
+    match &layer.kind {
+        LayerKind::Unknown { kind } if v1::KINDS.contains(&kind.as_str()) => {
+            Err(At::Root.fault("a kind that is not known", kind.write().to_string()))
+        }
+        LayerKind::Unknown { .. }
+        | LayerKind::Imagery(_)
+        | LayerKind::Height(_)
+        | LayerKind::Noise(_)
+        | LayerKind::Tint(_) => Ok(()),
+    }
+}

@@ -1,0 +1,226 @@
+//! Text to a JSON value, strictly, and places in the text.
+
+use core::fmt;
+
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::Value;
+
+use crate::Extra;
+
+/// A JSON value without repeated members: of two members of one name one would be lost on saving.
+struct Strict(Value);
+
+impl<'de> Deserialize<'de> for Strict {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(StrictVisitor).map(Strict)
+    }
+}
+
+struct StrictVisitor;
+
+impl<'de> Visitor<'de> for StrictVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        let mut array = Vec::new();
+        while let Some(Strict(item)) = items.next_element()? {
+            array.push(item);
+        }
+        Ok(Value::Array(array))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Value, A::Error> {
+        let mut map = Extra::new();
+        while let Some(name) = members.next_key::<String>()? {
+            let Strict(value) = members.next_value()?;
+            if map.contains_key(&name) {
+                let message = format!("member {} twice in one object", super::fault::quote(&name));
+                return Err(serde::de::Error::custom(message));
+            }
+            map.insert(name, value);
+        }
+        Ok(Value::Object(map))
+    }
+}
+
+/// The value of a JSON text. Nesting beyond 127 levels and repeated members are errors.
+pub(crate) fn parse(text: &str) -> Result<Value, serde_json::Error> {
+    // Editors on some systems begin a file with a byte order mark.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    serde_json::from_str::<Strict>(text).map(|Strict(value)| value)
+}
+
+/// Line (from 1) of the value that a JSON pointer names in a text that parses; of the innermost
+/// container that exists where the value does not.
+pub(crate) fn line_of(text: &str, pointer: &str) -> usize {
+    let mut scanner = Scanner {
+        bytes: text.as_bytes(),
+        position: 0,
+    };
+    if text.starts_with('\u{feff}') {
+        scanner.position = '\u{feff}'.len_utf8();
+    }
+    scanner.skip_space();
+    let mut place = scanner.position;
+    for step in pointer.split('/').skip(1) {
+        let step = step.replace("~1", "/").replace("~0", "~");
+        if scanner.enter(&step).is_none() {
+            break;
+        }
+        place = scanner.position;
+    }
+    1 + text.as_bytes()[..place.min(text.len())]
+        .iter()
+        .filter(|byte| **byte == b'\n')
+        .count()
+}
+
+/// Walks over a text that is known to be JSON; on anything else it stops early.
+struct Scanner<'a> {
+    bytes: &'a [u8],
+    position: usize,
+}
+
+impl Scanner<'_> {
+    fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.position).copied()
+    }
+
+    fn skip_space(&mut self) {
+        while matches!(self.peek(), Some(b' ' | b'\t' | b'\n' | b'\r')) {
+            self.position += 1;
+        }
+    }
+
+    /// Moves from the start of a container to the start of one of its values.
+    fn enter(&mut self, step: &str) -> Option<()> {
+        let is_object = match self.peek()? {
+            b'{' => true,
+            b'[' => false,
+            _ => return None,
+        };
+        self.position += 1;
+        for index in 0.. {
+            self.skip_space();
+            let is_here = if is_object {
+                let start = self.position;
+                self.skip_string()?;
+                let name: String =
+                    serde_json::from_slice(&self.bytes[start..self.position]).ok()?;
+                self.skip_space();
+                self.position += 1;
+                self.skip_space();
+                name == step
+            } else {
+                step.parse() == Ok(index)
+            };
+            if is_here {
+                return Some(());
+            }
+            self.skip_value()?;
+            self.skip_space();
+            if self.peek()? != b',' {
+                return None;
+            }
+            self.position += 1;
+        }
+        None
+    }
+
+    fn skip_string(&mut self) -> Option<()> {
+        if self.peek()? != b'"' {
+            return None;
+        }
+        self.position += 1;
+        loop {
+            match self.peek()? {
+                b'"' => break,
+                b'\\' => self.position += 2,
+                _ => self.position += 1,
+            }
+        }
+        self.position += 1;
+        Some(())
+    }
+
+    fn skip_value(&mut self) -> Option<()> {
+        let mut depth = 0_usize;
+        loop {
+            match self.peek()? {
+                b'"' => self.skip_string()?,
+                b'{' | b'[' => {
+                    depth += 1;
+                    self.position += 1;
+                }
+                b'}' | b']' if depth == 0 => return Some(()),
+                b'}' | b']' => {
+                    depth -= 1;
+                    self.position += 1;
+                }
+                b',' if depth == 0 => return Some(()),
+                _ => self.position += 1,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pointer_leads_to_its_line() {
+        let text = "{\n \"a\": [1,\n  {\"x/y\":\n   2}],\n \"b\\\"\": {\"}\": 3},\n \"c\": 4\n}";
+        for (pointer, line) in [
+            ("", 1),
+            ("/a", 2),
+            ("/a/1", 3),
+            ("/a/1/x~1y", 4),
+            ("/c", 6),
+            ("/a/9/z", 2),
+        ] {
+            assert_eq!(line_of(text, pointer), line, "{pointer}");
+        }
+        assert_eq!(line_of(text, "/b\"/}"), 5);
+    }
+
+    #[test]
+    fn a_repeated_member_is_an_error_with_its_line() {
+        let error = parse("{\"a\": 1,\n\"a\": 2}").unwrap_err();
+        assert!(error.to_string().contains("twice"), "{error}");
+        assert_eq!(error.line(), 2);
+    }
+
+    #[test]
+    fn nesting_without_end_is_an_error_not_an_overflow() {
+        assert!(parse(&"[".repeat(1_000_000)).is_err());
+    }
+}

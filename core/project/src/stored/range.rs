@@ -1,0 +1,56 @@
+//! The ranges of all numbers in the file, each in this one place: the reader, the edits and the
+//! JSON Schema take them from here.
+
+/// A closed range.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Range<T> {
+    /// Smallest value inside.
+    pub(crate) min: T,
+    /// Largest value inside.
+    pub(crate) max: T,
+}
+
+const fn range<T: Copy>(min: T, max: T) -> Range<T> {
+    Range { min, max }
+}
+
+pub(crate) const SHARE: Range<f64> = range(0.0, 1.0);
+pub(crate) const TURN_DEG: Range<f64> = range(-360.0, 360.0);
+pub(crate) const LATITUDE_DEG: Range<f64> = range(-90.0, 90.0);
+pub(crate) const ALTITUDE_M: Range<f64> = range(-1e5, 1e9);
+pub(crate) const FIELD_OF_VIEW_DEG: Range<f64> = range(1.0, 170.0);
+pub(crate) const RADIUS_M: Range<f64> = range(1.0, 1e9);
+pub(crate) const FLATTENING: Range<f64> = range(0.0, 0.5);
+pub(crate) const EXAGGERATION: Range<f64> = range(0.0, 100.0);
+pub(crate) const TEXEL_PX: Range<f64> = range(0.25, 16.0);
+pub(crate) const MESH_DENSITY: Range<f64> = range(0.1, 10.0);
+pub(crate) const FRAME_BUDGET_MS: Range<f64> = range(1.0, 1000.0);
+/// Also the limits of projected coordinates: far beyond any planet.
+pub(crate) const COORDINATE: Range<f64> = range(-1e10, 1e10);
+pub(crate) const EDGE_FADE_M: Range<f64> = range(0.0, 1e7);
+pub(crate) const NODATA: Range<f64> = range(f64::MIN, f64::MAX);
+pub(crate) const BAND: Range<u32> = range(1, 65_535);
+pub(crate) const SIGNED_SHARE: Range<f64> = range(-1.0, 1.0);
+pub(crate) const FACTOR: Range<f64> = range(0.0, 4.0);
+pub(crate) const HUE_DEG: Range<f64> = range(-180.0, 180.0);
+pub(crate) const GAMMA: Range<f64> = range(0.1, 10.0);
+pub(crate) const GAIN: Range<f64> = range(0.0, 16.0);
+pub(crate) const VERTICAL_SCALE: Range<f64> = range(-1e6, 1e6);
+pub(crate) const HEIGHT_M: Range<f64> = range(-1e7, 1e7);
+pub(crate) const AMPLITUDE_M: Range<f64> = range(0.0, 1e6);
+pub(crate) const WAVELENGTH_M: Range<f64> = range(1e-3, 1e9);
+pub(crate) const OCTAVES: Range<u32> = range(1, 32);
+pub(crate) const LACUNARITY: Range<f64> = range(1.0, 8.0);
+
+/// Sides of a colour window in samples.
+pub(crate) const COLOUR_WINDOWS: [u32; 5] = [256, 512, 1024, 2048, 4096];
+/// Most layers in a project.
+pub(crate) const MOST_LAYERS: usize = 10_000;
+/// Most stops of a tint.
+pub(crate) const MOST_STOPS: usize = 1000;
+/// Longest path and coordinate system in bytes.
+pub(crate) const LONGEST_PATH: usize = 4096;
+/// Longest name of a layer in bytes.
+pub(crate) const LONGEST_NAME: usize = 1000;
+/// Most edits in a batch.
+pub(crate) const MOST_EDITS: usize = 100_000;
