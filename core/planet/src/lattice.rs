@@ -76,3 +76,28 @@ impl Grid {
         Self::new(Arc::clone(&self.lattice), rect)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn sample_coordinates_and_plane_round_trip(
+            origin in (-1e6..1e6, -1e6..1e6), step in (0.01..100.0, -100.0..-0.01),
+            sample in (-100_000..100_000_i64, -100_000..100_000_i64),
+        ) {
+            let lattice = Lattice {
+                crs: GridCrs::Projected("EPSG:26912".into()),
+                origin: origin.into(),
+                step: step.into(),
+                columns_around: None,
+            };
+            let sample = I64Vec2::new(sample.0, sample.1);
+            let back = lattice.sample_from_plane(lattice.centre(sample));
+            prop_assert!((back - (sample.as_dvec2() + 0.5)).length() < 1e-6);
+        }
+    }
+}

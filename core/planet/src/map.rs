@@ -85,6 +85,8 @@ pub fn wrap_longitude(lon_rad: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -103,6 +105,42 @@ mod tests {
                 let back = MapPoint::from_direction(p.to_unit() * 7.0);
                 assert!(p.angle_to(back) < 1e-15, "{p:?} -> {back:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_point_in_range_is_returned_bit_for_bit() {
+        for p in [
+            MapPoint::new(-PI, 0.0),
+            MapPoint::new(0.1, PI),
+            MapPoint::new(3.1, 1e-300),
+        ] {
+            assert_eq!(p.normalised(), p);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn normalising_keeps_the_place_and_reaches_the_range(lon in -50.0..50.0, colat in -20.0..20.0) {
+            let p = MapPoint::new(lon, colat);
+            let q = p.normalised();
+            prop_assert!((-PI..PI).contains(&q.lon_rad) && (0.0..=PI).contains(&q.colat_rad));
+            prop_assert!(p.to_unit().distance(q.to_unit()) < 1e-13);
+            prop_assert_eq!(q.normalised(), q);
+        }
+
+        #[test]
+        fn degrees_round_trip(lon in -180.0..180.0, lat in -90.0..90.0) {
+            let (lon_back, lat_back) = MapPoint::from_degrees(lon, lat).to_degrees();
+            prop_assert!((lon_back - lon).abs() < 1e-12 && (lat_back - lat).abs() < 1e-12);
+        }
+
+        #[test]
+        fn a_wrapped_longitude_is_in_range_and_differs_by_whole_turns(lon in -1e4..1e4) {
+            let wrapped = wrap_longitude(lon);
+            prop_assert!((-PI..PI).contains(&wrapped));
+            let turns = (lon - wrapped) / TAU;
+            prop_assert!((turns - turns.round()).abs() < 1e-10);
         }
     }
 }

@@ -62,7 +62,11 @@ impl SampleRect {
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         let both = Self::new(self.min.max(other.min), self.max.min(other.max));
-        if both.is_empty() { Self::default() } else { both }
+        if both.is_empty() {
+            Self::default()
+        } else {
+            both
+        }
     }
 
     /// Whether some sample lies in both.
@@ -91,17 +95,52 @@ impl SampleRect {
     pub fn shift(&self, offset: I64Vec2) -> Self {
         Self::new(self.min + offset, self.max + offset)
     }
+
+    /// The samples that do not lie in `hole`, as at most four disjoint rectangles.
+    pub fn minus(&self, hole: &Self) -> Vec<Self> {
+        let hole = self.intersection(hole);
+        if hole.is_empty() {
+            return if self.is_empty() {
+                Vec::new()
+            } else {
+                vec![*self]
+            };
+        }
+        [
+            Self::new(self.min, I64Vec2::new(self.max.x, hole.min.y)),
+            Self::new(I64Vec2::new(self.min.x, hole.max.y), self.max),
+            Self::new(
+                I64Vec2::new(self.min.x, hole.min.y),
+                I64Vec2::new(hole.min.x, hole.max.y),
+            ),
+            Self::new(
+                I64Vec2::new(hole.max.x, hole.min.y),
+                I64Vec2::new(self.max.x, hole.max.y),
+            ),
+        ]
+        .into_iter()
+        .filter(|r| !r.is_empty())
+        .collect()
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
     fn disjoint_rectangles_intersect_in_the_canonical_empty_one() {
         let a = SampleRect::at(0, 0, 4, 4);
-        assert_eq!(a.intersection(&SampleRect::at(9, 9, 1, 1)), SampleRect::default());
-        assert!(!a.overlaps(&SampleRect::at(4, 0, 4, 4)), "half-open: sides that touch share nothing");
+        assert_eq!(
+            a.intersection(&SampleRect::at(9, 9, 1, 1)),
+            SampleRect::default()
+        );
+        assert!(
+            !a.overlaps(&SampleRect::at(4, 0, 4, 4)),
+            "half-open: sides that touch share nothing"
+        );
     }
 
     #[test]
@@ -109,5 +148,36 @@ mod tests {
         let a = SampleRect::at(3, 4, 5, 6);
         assert_eq!(a.union(&SampleRect::default()), a);
         assert_eq!(SampleRect::at(90, 90, 0, 5).union(&a), a);
+    }
+
+    fn rects() -> impl Strategy<Value = SampleRect> {
+        (-9..9_i64, -9..9_i64, 0..9_i64, 0..9_i64)
+            .prop_map(|(x, y, w, h)| SampleRect::at(x, y, w, h))
+    }
+
+    proptest! {
+        #[test]
+        fn a_sample_is_in_the_intersection_when_it_is_in_both(
+            a in rects(), b in rects(), x in -10..20_i64, y in -10..20_i64,
+        ) {
+            let sample = I64Vec2::new(x, y);
+            let both = a.intersection(&b);
+            prop_assert_eq!(both.contains(sample), a.contains(sample) && b.contains(sample));
+            prop_assert_eq!(a.overlaps(&b), both.area() > 0);
+            prop_assert!(a.union(&b).contains_rect(&a) && a.union(&b).contains_rect(&b));
+        }
+
+        #[test]
+        fn a_rectangle_minus_another_is_disjoint_and_whole(a in rects(), b in rects()) {
+            let parts = a.minus(&b);
+            let area: i64 = parts.iter().map(SampleRect::area).sum();
+            prop_assert_eq!(area, a.area() - a.intersection(&b).area());
+            prop_assert!(parts.iter().all(|part| a.contains_rect(part) && !part.overlaps(&b)));
+        }
+
+        #[test]
+        fn growing_and_shrinking_return(a in rects(), samples in 0..5_i64) {
+            prop_assert_eq!(a.grow(samples).grow(-samples), a);
+        }
     }
 }

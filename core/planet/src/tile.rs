@@ -32,7 +32,10 @@ impl LevelKey {
     /// # Panics
     /// If an exponent exceeds [`MAX_EXPONENT`].
     pub fn new(m: u8, n: u8) -> Self {
-        assert!(m <= MAX_EXPONENT && n <= MAX_EXPONENT, "tile level out of range: m {m}, n {n}");
+        assert!(
+            m <= MAX_EXPONENT && n <= MAX_EXPONENT,
+            "tile level out of range: m {m}, n {n}"
+        );
         Self { n, m }
     }
 
@@ -88,9 +91,16 @@ impl LevelKey {
     /// Keys of all tiles that a rectangle of samples touches, row by row, where the rectangle lies
     /// inside the level's rows; columns wrap. Each key comes with its tile's rectangle in the
     /// unwrapped indices of `rect`.
-    pub fn tiles_touching(&self, rect: &SampleRect) -> impl Iterator<Item = (TileKey, SampleRect)> + use<> {
+    pub fn tiles_touching(
+        &self,
+        rect: &SampleRect,
+    ) -> impl Iterator<Item = (TileKey, SampleRect)> + use<> {
         let level = *self;
-        let rect = if rect.is_empty() { SampleRect::default() } else { *rect };
+        let rect = if rect.is_empty() {
+            SampleRect::default()
+        } else {
+            *rect
+        };
         let first = rect.min.div_euclid(I64Vec2::splat(TILE_SAMPLES));
         let last = (rect.max + TILE_SAMPLES - 1).div_euclid(I64Vec2::splat(TILE_SAMPLES));
         let (first_row, last_row) = (first.y.max(0), last.y.min(level.tiles().y));
@@ -98,7 +108,12 @@ impl LevelKey {
             (first.x..last.x).map(move |column| {
                 (
                     TileKey::wrapped(level, column, row),
-                    SampleRect::at(column * TILE_SAMPLES, row * TILE_SAMPLES, TILE_SAMPLES, TILE_SAMPLES),
+                    SampleRect::at(
+                        column * TILE_SAMPLES,
+                        row * TILE_SAMPLES,
+                        TILE_SAMPLES,
+                        TILE_SAMPLES,
+                    ),
                 )
             })
         })
@@ -119,13 +134,22 @@ pub struct TileKey {
 impl TileKey {
     /// The tile at (column, row), or `None` outside the level.
     pub fn new(level: LevelKey, column: i64, row: i64) -> Option<Self> {
-        let inside = SampleRect::new(I64Vec2::ZERO, level.tiles()).contains(I64Vec2::new(column, row));
-        inside.then_some(Self { level, row: row as u32, column: column as u32 })
+        let inside =
+            SampleRect::new(I64Vec2::ZERO, level.tiles()).contains(I64Vec2::new(column, row));
+        inside.then_some(Self {
+            level,
+            row: row as u32,
+            column: column as u32,
+        })
     }
 
     /// The tile at any column (wrapping around the planet) of a row inside the level.
     fn wrapped(level: LevelKey, column: i64, row: i64) -> Self {
-        Self { level, row: row as u32, column: column.rem_euclid(level.tiles().x) as u32 }
+        Self {
+            level,
+            row: row as u32,
+            column: column.rem_euclid(level.tiles().x) as u32,
+        }
     }
 
     /// The tile's samples in its level's lattice.
@@ -176,6 +200,104 @@ impl TileKey {
 impl core::fmt::Display for TileKey {
     /// `m/n/column/row`.
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{}/{}/{}/{}", self.level.m, self.level.n, self.column, self.row)
+        write!(
+            f,
+            "{}/{}/{}/{}",
+            self.level.m, self.level.n, self.column, self.row
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn tiles() -> impl Strategy<Value = TileKey> {
+        (
+            0..=MAX_EXPONENT,
+            0..=MAX_EXPONENT,
+            any::<u32>(),
+            any::<u32>(),
+        )
+            .prop_map(|(m, n, x, y)| {
+                let level = LevelKey::new(m, n);
+                let tiles = level.tiles();
+                TileKey::new(level, i64::from(x) % tiles.x, i64::from(y) % tiles.y).expect("inside")
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn a_parent_covers_its_child(tile in tiles()) {
+            if let Some(parent) = tile.parent() {
+                let (fine, coarse) = (tile.level.samples(), parent.level.samples());
+                let scale = fine / coarse;
+                let covered = SampleRect::new(parent.rect().min * scale, parent.rect().max * scale);
+                prop_assert!(covered.contains_rect(&tile.rect()));
+            }
+        }
+
+        #[test]
+        fn around_the_planet_a_tile_is_its_own_neighbour(tile in tiles(), turns in -3..3_i64) {
+            let tiles = tile.level.tiles();
+            prop_assert_eq!(tile.neighbour(turns * tiles.x, 0), tile);
+            if tiles.x > 1 {
+                prop_assert_eq!(tile.neighbour(0, 2 * tiles.y), tile);
+            }
+        }
+
+        #[test]
+        fn a_wrapped_sample_lies_in_the_level_at_the_same_place(
+            m in 1..20_u8, n in 0..20_u8, x in -1_000_000..1_000_000_i64, y in -300_i64..300,
+        ) {
+            let level = LevelKey::new(m, n);
+            let wrapped = level.wrap_sample(I64Vec2::new(x, y));
+            prop_assert!(level.extent().contains(wrapped));
+            let lattice = level.lattice();
+            let centre = lattice.centre(I64Vec2::new(x, y));
+            let place = MapPoint::new(centre.x, centre.y);
+            prop_assert!(place.angle_to(lattice.map_point(wrapped)) < 1e-9);
+        }
+
+        #[test]
+        fn the_tile_of_a_point_is_where_its_sample_lies(
+            m in 0..30_u8, n in 0..30_u8, lon in -9.0..9.0, colat in 0.0..3.14,
+        ) {
+            let level = LevelKey::new(m, n);
+            let sample = level.sample_from_map(MapPoint::new(lon, colat));
+            prop_assert!(level.extent().contains(sample.floor().as_i64vec2()));
+        }
+
+        #[test]
+        fn touching_tiles_cover_a_rectangle_inside_the_level_exactly(
+            column in -600..600_i64, row in 0..1000_i64, width in 0..900_i64, height in 0..900_i64,
+        ) {
+            let level = LevelKey::new(3, 3);
+            let rect = SampleRect::at(column, row, width, height);
+            let inside = rect.intersection(&SampleRect::new(
+                I64Vec2::new(i64::MIN / 4, 0),
+                I64Vec2::new(i64::MAX / 4, level.samples().y),
+            ));
+            let mut covered = 0;
+            for (key, at) in level.tiles_touching(&rect) {
+                prop_assert!(at.overlaps(&rect));
+                prop_assert_eq!(level.wrap_sample(at.min), key.rect().min);
+                covered += at.intersection(&inside).area();
+            }
+            prop_assert_eq!(covered, inside.area());
+        }
+    }
+
+    #[test]
+    fn over_the_pole_the_neighbour_lies_on_the_opposite_meridian() {
+        let tile = TileKey::new(LevelKey::new(3, 2), 1, 0).expect("inside");
+        assert_eq!(
+            tile.neighbour(0, -1),
+            TileKey::new(tile.level, 5, 0).expect("inside")
+        );
+        assert_eq!(TileKey::new(tile.level, 8, 0), None);
+        assert_eq!(TileKey::new(tile.level, 0, -1), None);
     }
 }

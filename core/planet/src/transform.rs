@@ -4,7 +4,7 @@
 //! (u, v, 1 − w) = (sin θ̃ cos φ̃, sin θ̃ sin φ̃, 2 sin²(θ̃/2)) with θ̃ its angle from the focus, +u
 //! south, +v east. [CH06] gets its colatitude as acos(p_z) − θv, which loses metres to
 //! cancellation; the form here subtracts nothing of like size, so that in f32 its error on the
-//! ground stays below 5·10⁻⁷ of the ring's radius at every level and colatitude.
+//! ground stays below 6·10⁻⁷ of the ring's radius at every level and colatitude.
 //!
 //! Invariant: [`map_delta_f32`] performs the operations of its WGSL twin in the same order, and
 //! no finite input gives NaN. Absent: windows and texture scales; see `clipmap`.
@@ -116,7 +116,7 @@ pub fn map_delta_f64(vertex: RingVertex, sin_colat: f64, cos_colat: f64) -> DVec
 /// [`map_delta_f64`] in single precision, operation by operation as the shader does it.
 ///
 /// - `vertex`: [u, v, 1 − w] as stored; `sin_cos_colat`: (s, c) of the focus.
-/// - Error as a distance on the ground: at most 5·10⁻⁷ of θ̃'s ring radius
+/// - Error as a distance on the ground: at most 6·10⁻⁷ of θ̃'s ring radius
 ///   (`tests/transform_error.rs`).
 ///
 /// Twin: `map_delta` in WGSL, same names and order.
