@@ -263,7 +263,7 @@ mod tests {
 
         #[test]
         fn the_tile_of_a_point_is_where_its_sample_lies(
-            m in 0..30_u8, n in 0..30_u8, lon in -9.0..9.0, colat in 0.0..3.14,
+            m in 0..30_u8, n in 0..30_u8, lon in -9.0..9.0, colat in 0.0..3.1,
         ) {
             let level = LevelKey::new(m, n);
             let sample = level.sample_from_map(MapPoint::new(lon, colat));
