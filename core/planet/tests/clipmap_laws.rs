@@ -433,8 +433,10 @@ proptest! {
             let outer = (inner * ratio).min(PI);
             let from = azimuth - part * step;
             let patch = Patch::sector(&frame, (inner, outer), (from, from + step));
-            prop_assert!(culler.sees(&patch, &case.range), "{:?}", patch);
-            let (near, far) = culler.depth_range(&patch, &case.range);
+            let seen = culler.sees(&patch, &case.range);
+            let Some(seen) = seen else { panic!("culled {patch:?}") };
+            prop_assert!(seen.min_m - 1e-3 <= height && height <= seen.max_m + 1e-3, "{:?}", seen);
+            let (near, far) = culler.depth_range(&patch, &seen);
             prop_assert!(near <= depth * (1.0 + 1e-9) + 1e-3 && depth <= far * (1.0 + 1e-9) + 1e-3);
             prop_assert!(libm::acos(d.dot(plan.eye_in_world.normalize()).min(1.0)) <= plan.horizon_rad + 1e-6);
         }

@@ -39,6 +39,9 @@ impl Planner {
 
     /// Plans a view. Costs a fraction of a millisecond.
     ///
+    /// A view that is not finite, or whose fields are out of range, gives a plan of no use, in which
+    /// little or nothing is visible; it neither panics nor hangs.
+    ///
     /// # Panics
     /// If a window size of the quality is not a power of two from 256 to 65536.
     pub fn plan(&mut self, input: &PlanInput) -> Plan {
@@ -62,6 +65,7 @@ impl Planner {
             culler: Culler::new(view, &planet, heights_range.min_m),
             terrain: input.terrain,
             exaggeration: input.exaggeration,
+            everywhere: heights_range,
             radius_m: planet.radius_m,
             pixel_rad,
             horizon_rad: horizon,
@@ -208,5 +212,124 @@ fn draw_rings(
         last,
         sectors,
         disc,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clipmap::{HeightRange, Quality};
+    use crate::{Camera, Planet};
+
+    const FLAT: HeightRange = HeightRange {
+        min_m: 0.0,
+        max_m: 100.0,
+    };
+
+    fn input(lon_deg: f64, lat_deg: f64, altitude_m: f64, pitch_deg: f64) -> PlanInput<'static> {
+        PlanInput {
+            camera: Camera {
+                lon_rad: lon_deg.to_radians(),
+                lat_rad: lat_deg.to_radians(),
+                altitude_m,
+                heading_rad: 0.0,
+                pitch_rad: pitch_deg.to_radians(),
+                fov_y_rad: 1.0,
+            },
+            planet: Planet::EARTH,
+            viewport_px: [1280, 960],
+            ground_m: 0.0,
+            terrain: &FLAT,
+            exaggeration: 1.0,
+            quality: Quality::default(),
+        }
+    }
+
+    #[test]
+    fn the_same_view_planned_again_is_the_same_plan() {
+        let mut planner = Planner::new();
+        let first = planner.plan(&input(11.0, 46.0, 3000.0, -30.0));
+        assert!(first.settled);
+        assert_eq!(first, planner.plan(&input(11.0, 46.0, 3000.0, -30.0)));
+    }
+
+    #[test]
+    fn a_walk_to_the_pole_settles_in_the_shape_of_a_fresh_plan_or_one_step_wider() {
+        let mut planner = Planner::new();
+        for step in 0..=400 {
+            let view = input(20.0, 80.0 + 0.025 * f64::from(step), 20_000.0, -90.0);
+            let mut plan = planner.plan(&view);
+            for _ in 0..30 {
+                if plan.settled {
+                    break;
+                }
+                plan = planner.plan(&view);
+            }
+            assert!(plan.settled);
+            let fresh = Planner::new().plan(&view);
+            for (walked, fresh) in plan.colours.iter().zip(&fresh.colours) {
+                let wider = fresh.level.m - walked.level.m.min(fresh.level.m);
+                assert!(
+                    walked.level.m <= fresh.level.m && wider <= 1,
+                    "{walked:?} {fresh:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_come_coarse_before_fine_and_the_views_centre_first() {
+        let plan = Planner::new().plan(&input(11.0, 46.0, 3000.0, -45.0));
+        let tiles = plan.wanted_tiles();
+        assert!(tiles.is_sorted_by_key(|(_, key)| key.level.n));
+        let finest = plan.colours.last().unwrap();
+        let first = finest.wanted_tiles()[0];
+        let rect = finest.window.tile_rect(first).unwrap();
+        assert!(
+            rect.grow(128)
+                .contains(finest.centre_in_sample.floor().as_i64vec2())
+        );
+        let prefetch = plan.prefetch_tiles();
+        assert!(prefetch.iter().all(|t| !tiles.contains(t)));
+    }
+
+    #[test]
+    fn a_view_from_afar_draws_the_whole_disc_with_coarse_levels_only() {
+        let plan = Planner::new().plan(&input(0.0, 0.0, 1e8, -90.0));
+        assert!(
+            plan.heights.len() <= 2 && *plan.rings.start() <= 1,
+            "{:?}",
+            plan.rings
+        );
+        assert!(!plan.cap);
+    }
+
+    #[test]
+    fn a_view_that_is_no_view_neither_panics_nor_hangs() {
+        let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300];
+        for x in bad {
+            for which in 0..8 {
+                let mut view = input(0.0, 0.0, 10.0, -10.0);
+                let range = HeightRange {
+                    min_m: -x,
+                    max_m: x,
+                };
+                match which {
+                    0 => view.camera.lon_rad = x,
+                    1 => view.camera.lat_rad = x,
+                    2 => view.camera.altitude_m = x,
+                    3 => view.camera.pitch_rad = x,
+                    4 => view.camera.fov_y_rad = x,
+                    5 => view.ground_m = x,
+                    6 => view.exaggeration = x,
+                    _ => view.terrain = &range,
+                }
+                let plan = Planner::new().plan(&view);
+                assert!(plan.wanted_tiles().len() < 10_000);
+            }
+        }
+        let mut view = input(0.0, 0.0, 10.0, -10.0);
+        view.viewport_px = [0, 0];
+        Planner::new().plan(&view);
     }
 }

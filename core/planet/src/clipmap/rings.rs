@@ -164,7 +164,7 @@ impl RingMesh {
 
     /// Triangles of a ring: `2 · azimuth_steps · radial_steps`.
     pub fn ring_indices(&self) -> SectorIndices {
-        self.indices_of(
+        Self::indices_of(
             &vec![self.azimuth_steps; self.radial_steps as usize + 1],
             false,
         )
@@ -172,12 +172,12 @@ impl RingMesh {
 
     /// Triangles of a disc.
     pub fn disc_indices(&self) -> SectorIndices {
-        self.indices_of(&self.disc_rows, true)
+        Self::indices_of(&self.disc_rows, true)
     }
 
     /// Triangles of the cap.
     pub fn cap_indices(&self) -> SectorIndices {
-        self.indices_of(
+        Self::indices_of(
             &vec![self.azimuth_steps; self.cap_row_count() as usize + 1],
             false,
         )
@@ -192,7 +192,7 @@ impl RingMesh {
     /// Triangles between consecutive rows with the given numbers of azimuth steps, where a row has
     /// as many steps as the one before or half as many; then, if `centre`, a fan to the two last
     /// vertices.
-    fn indices_of(&self, rows: &[u32], centre: bool) -> SectorIndices {
+    fn indices_of(rows: &[u32], centre: bool) -> SectorIndices {
         let mut starts = vec![0];
         for steps in rows {
             starts.push(starts[starts.len() - 1] + steps + 2);
@@ -213,16 +213,16 @@ impl RingMesh {
                     let halved = rows[row + 1] < rows[row];
                     for k in 0..steps {
                         let (a, b) = (vertex(row, k), vertex(row, k + 1));
-                        if !halved {
-                            let (c, d) = (vertex(row + 1, k), vertex(row + 1, k + 1));
-                            out.indices.extend([a, b, c, c, b, d]);
-                        } else {
+                        if halved {
                             let (c, d) = (vertex(row + 1, k / 2), vertex(row + 1, k / 2 + 1));
                             if k.is_multiple_of(2) {
                                 out.indices.extend([a, b, c]);
                             } else {
                                 out.indices.extend([a, b, d, c, a, d]);
                             }
+                        } else {
+                            let (c, d) = (vertex(row + 1, k), vertex(row + 1, k + 1));
+                            out.indices.extend([a, b, c, c, b, d]);
                         }
                     }
                 } else if centre {

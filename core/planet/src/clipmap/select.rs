@@ -6,7 +6,7 @@
 //! conservative, so no visible fragment selects a tile outside; cells are small, so little is wanted
 //! in vain.
 
-use core::f64::consts::{PI, SQRT_2, TAU};
+use core::f64::consts::{PI, SQRT_2};
 
 use super::choose::FOOTPRINT_BLEND_OCTAVES;
 use super::cull::{Culler, Patch};
@@ -103,6 +103,16 @@ fn want(plan: &mut LevelPlan, piece: &MapBox, filter_margin: f64) -> bool {
 pub(super) fn align_to_tiles(levels: &mut [LevelPlan]) {
     for plan in levels.iter_mut().filter(|p| !p.wanted.is_empty()) {
         let tile = TILE_SAMPLES;
+        if plan.window.is_whole_circle() {
+            // Offsets from the focus end half a turn away. A rectangle across that line would be two,
+            // so whoever looks over a pole wants the whole circle.
+            let around = plan.window.rect.width();
+            let opposite = libm::floor(plan.focus_in_sample.x) as i64 + around / 2;
+            let first = opposite.rem_euclid(around) / tile * tile;
+            if plan.wanted.min.x < first + tile && plan.wanted.max.x > first {
+                (plan.wanted.min.x, plan.wanted.max.x) = (0, around);
+            }
+        }
         let (min, max) = (plan.wanted.min, plan.wanted.max);
         plan.wanted = SampleRect::new(
             min.div_euclid(glam::I64Vec2::splat(tile)) * tile,
@@ -116,6 +126,8 @@ pub(super) struct Scene<'a> {
     pub(super) culler: Culler,
     pub(super) terrain: &'a dyn TerrainBounds,
     pub(super) exaggeration: f64,
+    /// Drawn heights of the whole terrain.
+    pub(super) everywhere: HeightRange,
     pub(super) radius_m: f64,
     pub(super) pixel_rad: f64,
     pub(super) horizon_rad: f64,
@@ -124,18 +136,15 @@ pub(super) struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Drawn heights inside a patch, if it can be seen.
+    /// Drawn heights inside a patch that can be seen, if any.
     pub(super) fn seen(&self, patch: &Patch) -> Option<HeightRange> {
-        let everywhere = drawn(self.terrain.everywhere(), self.exaggeration);
-        if !self.culler.sees(patch, &everywhere) {
-            return None;
-        }
+        self.culler.sees(patch, &self.everywhere)?;
         let centre = MapPoint::from_direction(patch.centre);
         let near = drawn(
             self.terrain.near(centre, patch.radius_rad),
             self.exaggeration,
         );
-        self.culler.sees(patch, &near).then_some(near)
+        self.culler.sees(patch, &near)
     }
 
     /// Marks what fragments can select in colour levels (coarse to fine, consecutive in n).
@@ -143,14 +152,12 @@ impl Scene<'_> {
         let frame = FocusFrame::at(nadir);
         let mut inner = 0.0;
         let mut outer = (0.5 * self.clearance_rad).min(self.horizon_rad / 16.0);
-        loop {
+        // 128 half octaves reach from atoms to planets: a bound that only a view that is no number needs.
+        for _ in 0..128 {
             if inner == 0.0 {
-                self.select_cell(&Patch::disc(&frame, outer), levels, margin);
+                self.select_cell(&Patch::new(frame.up, outer), levels, margin);
             } else {
-                let step = TAU / f64::from(CELL_AZIMUTHS);
-                for k in 0..CELL_AZIMUTHS {
-                    let from = f64::from(k) * step;
-                    let patch = Patch::sector(&frame, (inner, outer), (from, from + step));
+                for patch in Patch::sectors(&frame, (inner, outer), CELL_AZIMUTHS) {
                     self.select_cell(&patch, levels, margin);
                 }
             }
@@ -199,11 +206,9 @@ impl Scene<'_> {
         margin: f64,
     ) -> u32 {
         let mut visible = 0;
-        for k in 0..SECTORS {
-            let step = TAU / f64::from(SECTORS);
-            let azimuths = (f64::from(k) * step, f64::from(k + 1) * step);
-            let body = Patch::sector(frame, (inner_rad, rim_rad), azimuths);
-            let rim = Patch::sector(frame, (rim_rad, outer_rad), azimuths);
+        let bodies = Patch::sectors(frame, (inner_rad, rim_rad), SECTORS);
+        let rims = Patch::sectors(frame, (rim_rad, outer_rad), SECTORS);
+        for (k, (body, rim)) in bodies.zip(rims).enumerate() {
             if self.seen(&body).is_none() && self.seen(&rim).is_none() {
                 continue;
             }
