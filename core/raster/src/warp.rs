@@ -1,0 +1,397 @@
+//! The map resampler: the samples of any grid from a georeferenced file.
+//!
+//! - Samples that lie outside of the file's outline are holes (NaN, transparent). A file that runs
+//!   around the globe wraps, and reflects over a pole that it reaches.
+//! - Where the grid is coarser than the file, an overview is read and averaged with a kernel that
+//!   is round **on the ground** ([CH06] 4.3): its half-value radius is half of the sample's longer
+//!   side in metres, so in a plate carrée file it spans 1/sin θ times as many columns near a pole.
+//!   Columns are shrunk by halves before the kernel so that it never has more than 4 × 4 taps, and
+//!   next to a pole a coarser overview bounds what is read.
+//! - Results depend on global sample indices only: a block equals the same part of the whole bit
+//!   for bit, in any order and on any thread.
+
+mod cells;
+mod coverage;
+mod plane;
+mod window;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::{DVec2, I64Vec2};
+use relievo_planet::{Grid, MapPoint, Planet, SampleRect};
+
+use crate::file::{Cancel, RasterFile, ReadError};
+pub use crate::kernel::Kernel;
+use crate::kernel::Window;
+use crate::{Bands, Block, colour};
+use cells::{Geometry, Patch};
+use plane::SourcePlane;
+use window::Scale;
+
+/// Pixels that a common window may hold beyond those its patches need each.
+const SHARED_WINDOW_SLACK: i64 = 1 << 16;
+/// Pixels of a window shared by several patches.
+const LARGEST_SHARED_WINDOW: i64 = 1 << 22;
+
+/// Why a file cannot be laid on the map.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WarpError {
+    /// Neither the file nor its companions say where it lies.
+    #[error("expected a georeferenced image, found none: {path:?}")]
+    NoGeoreference {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Its pixels have no area, or it has none.
+    #[error("expected pixels with an area, found a degenerate georeference: {path:?}")]
+    Degenerate {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A coordinate system that cannot be used.
+    #[error("cannot use the coordinate system {crs:?}: {reason}")]
+    Crs {
+        /// Its name.
+        crs: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+/// How much of a grid a file's outline covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coverage {
+    /// No sample: all would be holes.
+    Outside,
+    /// Every sample lies inside of the outline (where the file may still have holes).
+    Inside,
+    /// Perhaps some.
+    Partial,
+}
+
+/// A georeferenced file, ready to be evaluated on grids.
+pub struct Warp {
+    file: Arc<dyn RasterFile>,
+    source: SourcePlane,
+    extent: coverage::Extent,
+    planet: Planet,
+    kernel: Kernel,
+    finest_step_rad: f64,
+}
+
+impl core::fmt::Debug for Warp {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Warp")
+            .field("path", &self.file.path())
+            .field("kernel", &self.kernel)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Warp {
+    /// Lays a file on the map.
+    ///
+    /// # Errors
+    /// [`WarpError`] when it is not georeferenced or its coordinate system is not known.
+    pub fn new(
+        file: Arc<dyn RasterFile>,
+        planet: Planet,
+        kernel: Kernel,
+    ) -> Result<Self, WarpError> {
+        let source = SourcePlane::new(file.info())?;
+        let extent = coverage::of_source(&source);
+        let finest_step_rad = finest_step_rad(&source, &planet);
+        Ok(Self {
+            file,
+            source,
+            extent,
+            planet,
+            kernel,
+            finest_step_rad,
+        })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Arc<dyn RasterFile> {
+        &self.file
+    }
+
+    /// The smaller side of a pixel of the full image, at its middle, as an angle at the planet's
+    /// centre in radians: finer grids show nothing new.
+    pub fn finest_step_rad(&self) -> f64 {
+        self.finest_step_rad
+    }
+
+    /// Whether the file runs all around the globe from pole to pole.
+    pub fn covers_globe(&self) -> bool {
+        self.source.columns_around.is_some() && self.source.reflects == [true; 2]
+    }
+
+    /// How much of a grid the file's outline covers, from outlines alone: cheap, the same each
+    /// time, and never wrong when it says inside or outside.
+    pub fn coverage(&self, grid: &Grid) -> Coverage {
+        if self.covers_globe() && !grid.rect.is_empty() {
+            return Coverage::Inside;
+        }
+        coverage::coverage(&self.source, &self.extent, grid)
+    }
+
+    /// Whether the file's image ends at its sides, at its first row and at its last.
+    pub(crate) fn outline(&self) -> [bool; 3] {
+        [
+            self.source.columns_around.is_none(),
+            !self.source.reflects[0],
+            !self.source.reflects[1],
+        ]
+    }
+
+    /// Width and height in metres of a pixel of the full image's row `row` (continuous).
+    pub(crate) fn pixel_size_m(&self, row: f64) -> [f64; 2] {
+        let m = self.source.plane_from_pixel.matrix2;
+        if !self.source.crs.is_geographic() {
+            let unit_m = self.source.crs.metres_per_unit();
+            return [m.x_axis.length() * unit_m, m.y_axis.length() * unit_m];
+        }
+        let lat = self
+            .source
+            .plane_from_pixel
+            .transform_point2(DVec2::new(self.source.size.x * 0.5, row))
+            .y;
+        let degree_m = self.planet.radius_m * 1.0_f64.to_radians();
+        let metres = DVec2::new(libm::cos(lat.to_radians()).abs(), 1.0) * degree_m;
+        [(m.x_axis * metres).length(), (m.y_axis * metres).length()]
+    }
+
+    /// Calls `each` with the index (row by row) of every sample of a grid that may see the file,
+    /// and its continuous place in pixels of the full image. Other samples lie outside.
+    pub(crate) fn for_each_place(
+        &self,
+        grid: &Grid,
+        mut each: impl FnMut(usize, DVec2),
+    ) -> Result<(), WarpError> {
+        let geometry = self.geometry(grid)?;
+        for patch in geometry.patches(&grid.rect) {
+            let part = patch.rect.intersection(&grid.rect);
+            let in_patch = (part.min - patch.rect.min).as_usizevec2();
+            let to = (part.min - grid.rect.min).as_usizevec2();
+            let width = part.width() as usize;
+            let mut x = [0.0_f32; cells::NODE as usize];
+            let mut y = x;
+            for row in 0..part.height() as usize {
+                let (x, y) = (&mut x[..width], &mut y[..width]);
+                patch.places.row(
+                    patch.rect.width() as usize,
+                    in_patch.x,
+                    in_patch.y + row,
+                    x,
+                    y,
+                );
+                for (i, (x, y)) in x.iter().zip(&*y).enumerate() {
+                    let place =
+                        DVec2::new(f64::from(*x), f64::from(*y)) + patch.window.min.as_dvec2();
+                    let sample = (to.y + row) * grid.rect.width() as usize + to.x + i;
+                    each(sample, place * geometry.scale_pixel(patch.scale));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The geometry of a grid.
+    fn geometry<'a>(&'a self, grid: &'a Grid) -> Result<Geometry<'a>, WarpError> {
+        Ok(Geometry {
+            source: &self.source,
+            overviews: &self.file.info().overviews,
+            kernel: self.kernel,
+            radius_m: self.planet.radius_m,
+            lattice: &grid.lattice,
+            target: cells::target(grid, &self.source)?,
+        })
+    }
+
+    /// Evaluates a grid into `out` (reshaped to fit).
+    ///
+    /// # Errors
+    /// [`ReadError`] when the file is damaged or gone, the grid's coordinate system is not known,
+    /// or work was cancelled; the content of `out` is then unspecified.
+    pub fn render(&self, grid: &Grid, out: &mut Block, cancel: &Cancel) -> Result<(), ReadError> {
+        let bands = self.file.info().bands;
+        let rect = &grid.rect;
+        out.reshape(bands, rect.width() as usize, rect.height() as usize);
+        out.samples_mut().fill(if bands == Bands::Height {
+            f32::NAN
+        } else {
+            0.0
+        });
+        let geometry = self.geometry(grid).map_err(|e| ReadError::Io {
+            reason: e.to_string(),
+            path: self.file.path().to_owned(),
+        })?;
+        let mut patches = geometry.patches(rect);
+        // Stable: patches of a scale stay in the order of their place.
+        patches.sort_by_key(|p| p.scale);
+        let mut scratch = Block::new(bands, 0, 0);
+        for same_scale in patches.chunk_by_mut(|a, b| a.scale == b.scale) {
+            self.render_patches(same_scale, rect, out, &mut scratch, cancel)?;
+        }
+        if self.mixes() {
+            colour::unpremultiply(out);
+        }
+        Ok(())
+    }
+
+    /// Whether colours are mixed, and so have to be premultiplied.
+    fn mixes(&self) -> bool {
+        self.file.info().bands == Bands::Colour && self.kernel != Kernel::Nearest
+    }
+
+    /// Reads one window for all of the patches if they lie close to each other, else divides them.
+    fn render_patches(
+        &self,
+        patches: &mut [Patch],
+        rect: &SampleRect,
+        out: &mut Block,
+        scratch: &mut Block,
+        cancel: &Cancel,
+    ) -> Result<(), ReadError> {
+        let [first, ..] = &*patches else {
+            return Ok(());
+        };
+        let scale: Scale = first.scale;
+        let union = patches
+            .iter()
+            .fold(SampleRect::default(), |all, p| all.union(&p.window));
+        let needed: i64 = patches.iter().map(|p| p.window.area()).sum();
+        let shares = union.area() <= (needed + SHARED_WINDOW_SLACK).min(LARGEST_SHARED_WINDOW);
+        if patches.len() > 1 && !shares {
+            let samples = patches
+                .iter()
+                .fold(SampleRect::default(), |all, p| all.union(&p.rect));
+            if samples.width() > samples.height() {
+                patches.sort_by_key(|p| p.rect.min.x);
+            } else {
+                patches.sort_by_key(|p| p.rect.min.y);
+            }
+            let (a, b) = patches.split_at_mut(patches.len() / 2);
+            self.render_patches(a, rect, out, scratch, cancel)?;
+            return self.render_patches(b, rect, out, scratch, cancel);
+        }
+        window::load(
+            &*self.file,
+            &self.source,
+            scale,
+            &union,
+            self.mixes(),
+            scratch,
+            cancel,
+        )?;
+        for patch in patches {
+            sample_patch(patch, &union, scratch, rect, out);
+        }
+        Ok(())
+    }
+}
+
+/// Evaluates the part of a patch in `rect` from the window that was read.
+fn sample_patch(
+    patch: &Patch,
+    read: &SampleRect,
+    window: &Block,
+    rect: &SampleRect,
+    out: &mut Block,
+) {
+    let part = patch.rect.intersection(rect);
+    let corner = patch.window.min - read.min;
+    let planes: [&[f32]; 4] =
+        core::array::from_fn(|i| window.plane(i.min(window.bands().planes() - 1)));
+    let mut view = Window {
+        planes: &planes[..window.bands().planes()],
+        offset: corner.y as usize * window.width() + corner.x as usize,
+        stride: window.width(),
+        width: patch.window.width() as usize,
+        height: patch.window.height() as usize,
+        has_holes: false,
+    };
+    view.has_holes = window.bands() == Bands::Height && view.find_hole();
+    let width = part.width() as usize;
+    let mut x = [0.0_f32; cells::NODE as usize];
+    let mut y = x;
+    let (x, y) = (&mut x[..width], &mut y[..width]);
+    let mut rows = [[0.0_f32; cells::NODE as usize]; 4];
+    let in_patch = (part.min - patch.rect.min).as_usizevec2();
+    let to = (part.min - rect.min).as_usizevec2();
+    let [low, high] = patch.inside;
+    let whole = {
+        // No sample can lie outside of the source if no corner of the window does.
+        let size = [view.width as f32, view.height as f32];
+        low[0] <= 0.0 && low[1] <= 0.0 && high[0] >= size[0] && high[1] >= size[1]
+    };
+    for row in 0..part.height() as usize {
+        patch.places.row(
+            patch.rect.width() as usize,
+            in_patch.x,
+            in_patch.y + row,
+            x,
+            y,
+        );
+        {
+            let mut targets = rows.each_mut().map(|r| &mut r[..width]);
+            view.sample_row(
+                patch.footprint,
+                x,
+                y,
+                &mut targets[..window.bands().planes()],
+            );
+        }
+        let is_inside =
+            |i: usize| (low[0]..=high[0]).contains(&x[i]) && (low[1]..=high[1]).contains(&y[i]);
+        let out_width = out.width();
+        for (plane, samples) in rows.iter().enumerate().take(window.bands().planes()) {
+            let at = (to.y + row) * out_width + to.x;
+            let target = &mut out.plane_mut(plane)[at..at + width];
+            if whole && matches!(patch.places, cells::Places::Corners(_)) {
+                target.copy_from_slice(&samples[..width]);
+            } else {
+                for (i, (v, s)) in target.iter_mut().zip(samples).enumerate() {
+                    if is_inside(i) {
+                        *v = *s;
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn finest_step_rad(source: &SourcePlane, planet: &Planet) -> f64 {
+    let middle = source.size * 0.5;
+    let point = |pixel: DVec2| {
+        let p =
+            plane::lonlat_from_plane(&source.crs, source.plane_from_pixel.transform_point2(pixel))?;
+        Some(MapPoint::from_degrees(p.x.to_degrees(), p.y.to_degrees()))
+    };
+    if source.is_upright_geographic() {
+        let m = source.plane_from_pixel.matrix2;
+        return m.x_axis.x.abs().min(m.y_axis.y.abs()).to_radians();
+    }
+    let step = |by: DVec2| Some(point(middle - by * 0.5)?.angle_to(point(middle + by * 0.5)?));
+    let steps = [step(DVec2::X), step(DVec2::Y)];
+    match steps {
+        [Some(x), Some(y)] if x > 0.0 && y > 0.0 => x.min(y),
+        // The middle lies beyond the system's reach: its unit is the best guess.
+        _ => {
+            let m = source.plane_from_pixel.matrix2 * source.crs.metres_per_unit();
+            m.x_axis.length().min(m.y_axis.length()) / planet.radius_m
+        }
+    }
+}
+
+/// Samples of a grid by index, for tests and tools: the grid of a rectangle that begins elsewhere.
+#[cfg(test)]
+fn part_of(grid: &Grid, column: i64, row: i64, width: i64, height: i64) -> Grid {
+    let min = grid.rect.min + I64Vec2::new(column, row);
+    grid.with_rect(SampleRect::at(min.x, min.y, width, height))
+}
+
+#[cfg(test)]
+mod tests;

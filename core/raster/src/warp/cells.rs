@@ -1,0 +1,564 @@
+//! From samples of a grid to places in a source: exact at nodes, bilinear between them.
+//!
+//! Nodes are the samples whose global indices are multiples of [`NODE`]. The four cells of a group
+//! share nine nodes; the middle ones tell how far the outer ones would have missed, and a cell a
+//! quarter of that. A cell that may miss by more than [`TOLERANCE`] pixels checks its own centre and
+//! the middles of its edges, and if those fail projects every sample. All of it depends on global
+//! indices only, so blocks and wholes agree bit for bit.
+
+use glam::{DVec2, I64Vec2};
+use relievo_planet::{Grid, GridCrs, Lattice, MapPoint, SampleRect};
+
+use super::plane::{SourcePlane, lonlat_from_plane, plane_from_lonlat};
+use super::window::Scale;
+use crate::crs::Crs;
+use crate::file::OverviewInfo;
+use crate::kernel::{Footprint, Kernel};
+
+/// Samples between nodes.
+pub(crate) const NODE: i64 = 16;
+/// Samples along a group of two by two cells.
+const GROUP: i64 = 2 * NODE;
+/// Largest error of interpolated places, in pixels of the level that is read.
+const TOLERANCE: f64 = 0.02;
+/// Widest kernel along a row in pixels of the level that is read; wider ones (about a pole) read a
+/// coarser level, which makes rows coarser too within 0.1° of it, and bounds the cost.
+const WIDEST: f64 = 1024.0;
+/// A patch that needs more pixels at once is done sample by sample.
+const LARGEST_WINDOW: i64 = 1 << 22;
+/// A footprint this much wider than a pixel is still sampled bilinearly: a tent that widened at
+/// once would blur a source that is merely shown in another system at its own resolution.
+const SLACK: f64 = 1.25;
+
+/// Samples that are read from the same level with the same kernel.
+pub(crate) struct Patch {
+    /// The samples, whether or not the rectangle that is asked for holds them all.
+    pub(crate) rect: SampleRect,
+    pub(crate) scale: Scale,
+    pub(crate) footprint: Footprint,
+    /// The pixels it needs, unwrapped, at `scale`.
+    pub(crate) window: SampleRect,
+    pub(crate) places: Places,
+    /// Places with a coordinate outside of these lie outside of the source, relative to `window`.
+    pub(crate) inside: [[f32; 2]; 2],
+}
+
+/// Continuous places at the patch's scale, relative to its window's corner.
+pub(crate) enum Places {
+    /// Of the first sample, of the one [`NODE`] columns east, and the same one row pitch south,
+    /// which is [`NODE`] rows or (for a single row) none.
+    Corners([[f32; 2]; 4]),
+    /// Of every sample, row by row.
+    Each(Vec<[f32; 2]>),
+}
+
+impl Places {
+    /// Places of `width` samples of a row from `column`, both within the patch.
+    pub(crate) fn row(
+        &self,
+        patch_width: usize,
+        column: usize,
+        row: usize,
+        x: &mut [f32],
+        y: &mut [f32],
+    ) {
+        const PITCH: f32 = 1.0 / NODE as f32;
+        match self {
+            Self::Corners([nw, ne, sw, se]) => {
+                let v = row as f32 * PITCH;
+                for (axis, out) in [x, y].into_iter().enumerate() {
+                    let west = nw[axis] + (sw[axis] - nw[axis]) * v;
+                    let east = ne[axis] + (se[axis] - ne[axis]) * v;
+                    let slope = (east - west) * PITCH;
+                    for (i, place) in out.iter_mut().enumerate() {
+                        *place = west + slope * (column + i) as f32;
+                    }
+                }
+            }
+            Self::Each(places) => {
+                let places = &places[row * patch_width + column..];
+                for ((x, y), place) in x.iter_mut().zip(y).zip(places) {
+                    [*x, *y] = *place;
+                }
+            }
+        }
+    }
+}
+
+/// The plane a grid is regular in.
+pub(crate) enum Target {
+    /// Longitude and latitude; degrees if from a named system, else the map's radians.
+    Map,
+    Degrees,
+    Projected(Crs),
+    /// The source's own projected system.
+    Same,
+}
+
+/// Everything that places depend on.
+pub(crate) struct Geometry<'a> {
+    pub(crate) source: &'a SourcePlane,
+    pub(crate) overviews: &'a [OverviewInfo],
+    pub(crate) kernel: Kernel,
+    pub(crate) radius_m: f64,
+    pub(crate) lattice: &'a Lattice,
+    pub(crate) target: Target,
+}
+
+impl Geometry<'_> {
+    /// Longitude (any turn) and latitude (beyond ±90 past a pole) in degrees of a continuous
+    /// sample index whose centre is the sample's.
+    fn degrees(&self, sample: DVec2) -> Option<DVec2> {
+        let p = self.lattice.origin + (sample + 0.5) * self.lattice.step;
+        match &self.target {
+            Target::Map => Some(DVec2::new(p.x.to_degrees(), 90.0 - p.y.to_degrees())),
+            Target::Degrees => Some(p),
+            Target::Projected(crs) => {
+                lonlat_from_plane(crs, p).map(|p| DVec2::new(p.x.to_degrees(), p.y.to_degrees()))
+            }
+            Target::Same => lonlat_from_plane(&self.source.crs, p)
+                .map(|p| DVec2::new(p.x.to_degrees(), p.y.to_degrees())),
+        }
+    }
+
+    /// The place on the source's plane, NaN where it has none. Longitudes take any turn.
+    fn plane(&self, sample: DVec2) -> DVec2 {
+        if let Target::Same = self.target {
+            return self.lattice.origin + (sample + 0.5) * self.lattice.step;
+        }
+        let Some(mut p) = self.degrees(sample) else {
+            return DVec2::NAN;
+        };
+        let geographic = self.source.crs.is_geographic();
+        // A source that reflects over the poles takes rows beyond them as they are.
+        if p.y.abs() > 90.0 && !(geographic && self.source.reflects == [true; 2]) {
+            let point = MapPoint::from_degrees(p.x, p.y).normalised();
+            p = DVec2::new(point.lon_rad.to_degrees(), point.lat_rad().to_degrees());
+        }
+        if geographic {
+            p
+        } else {
+            plane_from_lonlat(
+                &self.source.crs,
+                DVec2::new(p.x.to_radians(), p.y.to_radians()),
+            )
+            .unwrap_or(DVec2::NAN)
+        }
+    }
+
+    /// Places of a plane point whose longitude is on the turn nearest to `near_deg`, in pixels.
+    fn pixel(&self, mut plane: DVec2, near_deg: f64) -> DVec2 {
+        if self.source.crs.is_geographic() {
+            plane.x -= 360.0 * ((plane.x - near_deg) / 360.0).round();
+        }
+        self.source.pixel_from_plane.transform_point2(plane)
+    }
+
+    /// Size of a sample on the ground in metres along columns and rows (for the source's own
+    /// system: in its unit).
+    fn ground_step(&self, centre: DVec2, span: f64) -> DVec2 {
+        let step = self.lattice.step.abs();
+        match &self.target {
+            Target::Same => step,
+            Target::Map | Target::Degrees => {
+                let lat = self.degrees(centre).map_or(0.0, |p| p.y.to_radians());
+                let unit = if let Target::Map = self.target {
+                    1.0
+                } else {
+                    1.0_f64.to_radians()
+                };
+                step * unit * self.radius_m * DVec2::new(libm::cos(lat).abs(), 1.0)
+            }
+            Target::Projected(_) => {
+                let half = 0.5 * span.max(1.0);
+                let length = |offset: DVec2| {
+                    let (a, b) = (
+                        self.degrees(centre - offset)?,
+                        self.degrees(centre + offset)?,
+                    );
+                    let point = |p: DVec2| MapPoint::from_degrees(p.x, p.y);
+                    Some(point(a).angle_to(point(b)) * self.radius_m / (2.0 * half))
+                };
+                match (length(DVec2::new(half, 0.0)), length(DVec2::new(0.0, half))) {
+                    (Some(x), Some(y)) => DVec2::new(x, y),
+                    _ => step,
+                }
+            }
+        }
+    }
+
+    /// Radius of the kernel along columns and rows in pixels of the full image: a disc on the
+    /// ground whose half-value radius is half of the sample's longer side.
+    ///
+    /// - `change`: change of place per sample along columns and along rows, where known.
+    fn radii(&self, centre: DVec2, span: f64, change: Option<[DVec2; 2]>) -> DVec2 {
+        let ground = self.ground_step(centre, span);
+        let diameter = ground.max_element();
+        let radii = if self.source.is_upright_geographic() {
+            let lat = self.degrees(centre).map_or(0.0, |p| p.y.to_radians());
+            let slimmest = (0.5 * diameter / self.radius_m).clamp(1e-12, 1.0);
+            let sin_colat = libm::cos(lat).abs().max(slimmest);
+            let m = self.source.plane_from_pixel.matrix2;
+            let pixel_m = DVec2::new(m.x_axis.x.abs() * sin_colat, m.y_axis.y.abs())
+                .map(f64::to_radians)
+                * self.radius_m;
+            diameter / pixel_m
+        } else if let Some([column, row]) = change {
+            let (u, v) = (column / ground.x.max(1e-300), row / ground.y.max(1e-300));
+            DVec2::new(libm::hypot(u.x, v.x), libm::hypot(u.y, v.y)) * diameter
+        } else {
+            DVec2::ONE
+        };
+        radii.map(|r| if r.is_finite() { r } else { 1.0 })
+    }
+
+    /// Pixels of the full image per pixel of an overview.
+    fn overview_pixel(&self, overview: usize) -> DVec2 {
+        let info = &self.overviews[overview];
+        self.source.size / DVec2::new(f64::from(info.width), f64::from(info.height))
+    }
+
+    /// The level to read and the kernel there for a kernel of the given radii at full size: the
+    /// coarsest overview whose pixels do not exceed the footprint, shrunk further by halves where
+    /// there is none, so that radii at the scale are below 2.
+    fn scale(&self, radii: DVec2) -> (Scale, Footprint) {
+        let fits = |o: &usize| (radii / self.overview_pixel(*o)).min_element() >= 1.0 - 1e-9;
+        let mut overview = (0..self.overviews.len()).rev().find(fits).unwrap_or(0);
+        while overview + 1 < self.overviews.len()
+            && radii.x / self.overview_pixel(overview).x > WIDEST
+        {
+            overview += 1;
+        }
+        let left = radii / self.overview_pixel(overview);
+        let halve = |mut radius: f64| {
+            let mut halvings = 0;
+            while radius >= 2.0 && halvings < 30 && self.kernel != Kernel::Nearest {
+                radius *= 0.5;
+                halvings += 1;
+            }
+            let radius = if radius < SLACK {
+                1.0
+            } else {
+                1.0 + (radius - SLACK) / (2.0 - SLACK)
+            };
+            (halvings, (radius as f32).clamp(1.0, 2.0))
+        };
+        let ((shrink_x, radius_x), (shrink_y, radius_y)) = (halve(left.x), halve(left.y));
+        (
+            Scale {
+                overview,
+                shrink_x,
+                shrink_y,
+            },
+            Footprint {
+                kernel: self.kernel,
+                radius_x,
+                radius_y,
+            },
+        )
+    }
+
+    /// Pixels of the full image per pixel at a scale.
+    pub(crate) fn scale_pixel(&self, scale: Scale) -> DVec2 {
+        self.overview_pixel(scale.overview)
+            * DVec2::new(
+                f64::from(1_u32 << scale.shrink_x),
+                f64::from(1_u32 << scale.shrink_y),
+            )
+    }
+
+    /// All patches that hold a sample of `rect` and see the source.
+    pub(crate) fn patches(&self, rect: &SampleRect) -> Vec<Patch> {
+        let mut patches = Vec::new();
+        if rect.is_empty() {
+            return patches;
+        }
+        let first = rect.min.div_euclid(I64Vec2::splat(GROUP));
+        let last = (rect.max - 1).div_euclid(I64Vec2::splat(GROUP));
+        // Exact planes of all nodes, each made once.
+        let across = (2 * (last.x - first.x + 1) + 1) as usize;
+        let down = (2 * (last.y - first.y + 1) + 1) as usize;
+        let nodes: Vec<DVec2> = (0..across * down)
+            .map(|i| {
+                let node = I64Vec2::new((i % across) as i64, (i / across) as i64);
+                self.plane((first * GROUP + node * NODE).as_dvec2())
+            })
+            .collect();
+        for gy in first.y..=last.y {
+            for gx in first.x..=last.x {
+                let group = I64Vec2::new(gx, gy);
+                let at = ((group - first) * 2).as_usizevec2();
+                let nine = core::array::from_fn(|i| nodes[(at.y + i / 3) * across + at.x + i % 3]);
+                self.group(group * GROUP, &nine, rect, &mut patches);
+            }
+        }
+        patches
+    }
+
+    /// The patches of a group that begins at sample `start` and has the given nine nodes.
+    fn group(
+        &self,
+        start: I64Vec2,
+        nodes: &[DVec2; 9],
+        rect: &SampleRect,
+        patches: &mut Vec<Patch>,
+    ) {
+        // The turn of longitudes: the source's for the middle, the middle's for the rest.
+        let source_deg = self.source.centre().x;
+        let middle_deg = nodes[4].x - 360.0 * ((nodes[4].x - source_deg) / 360.0).round();
+        let pixels = nodes.map(|p| self.pixel(p, middle_deg));
+        let between = |a: usize, b: usize| (pixels[a] + pixels[b]) * 0.5;
+        let corners = (between(0, 8) + between(2, 6)) * 0.5;
+        let mut miss = (pixels[4] - corners).abs();
+        for (middle, a, b) in [(1, 0, 2), (3, 0, 6), (5, 2, 8), (7, 6, 8)] {
+            let m = (pixels[middle] - between(a, b)).abs();
+            // Not `max`, which would hide NaN.
+            miss = DVec2::new(
+                if m.x <= miss.x { miss.x } else { m.x },
+                if m.y <= miss.y { miss.y } else { m.y },
+            );
+        }
+        for cell in 0..4 {
+            let at = I64Vec2::new(cell % 2, cell / 2);
+            let cell_rect =
+                SampleRect::at(start.x + at.x * NODE, start.y + at.y * NODE, NODE, NODE);
+            if !cell_rect.overlaps(rect) {
+                continue;
+            }
+            let i = (at.y * 3 + at.x) as usize;
+            let corners = [pixels[i], pixels[i + 1], pixels[i + 3], pixels[i + 4]];
+            self.cell(&cell_rect, corners, miss * 0.25, middle_deg, rect, patches);
+        }
+    }
+
+    fn cell(
+        &self,
+        cell: &SampleRect,
+        corners: [DVec2; 4],
+        miss: DVec2,
+        middle_deg: f64,
+        rect: &SampleRect,
+        patches: &mut Vec<Patch>,
+    ) {
+        let [nw, ne, sw, se] = corners;
+        let change = [
+            (ne - nw + se - sw) * (0.5 / NODE as f64),
+            (sw - nw + se - ne) * (0.5 / NODE as f64),
+        ];
+        let change = Some(change).filter(|c| c[0].is_finite() && c[1].is_finite());
+        let start = cell.min.as_dvec2();
+        let centre_of = |r: &SampleRect| (r.min + r.max).as_dvec2() * 0.5 - 0.5;
+        let radii = self.radii(centre_of(cell), NODE as f64, change);
+        let (scale, _) = self.scale(radii);
+        let pixel = self.scale_pixel(scale);
+        let close = |miss: DVec2| (miss / pixel).max_element() <= TOLERANCE && miss.is_finite();
+        let linear = !self.wraps_inside(corners)
+            && (close(miss) || {
+                let half = NODE as f64 * 0.5;
+                let checks = [
+                    (DVec2::new(half, half), (nw + ne + sw + se) * 0.25),
+                    (DVec2::new(half, 0.0), (nw + ne) * 0.5),
+                    (DVec2::new(0.0, half), (nw + sw) * 0.5),
+                    (DVec2::new(2.0 * half, half), (ne + se) * 0.5),
+                    (DVec2::new(half, 2.0 * half), (sw + se) * 0.5),
+                ];
+                checks.iter().all(|(at, guess)| {
+                    close((self.pixel(self.plane(start + *at), middle_deg) - *guess).abs())
+                })
+            });
+        // Where the kernel's shape changes much within the cell, beside a pole, cells fall apart.
+        let first = self.radii(start, 1.0, change);
+        let last = self.radii(start + (NODE - 1) as f64, 1.0, change);
+        let varies = self.source.is_upright_geographic()
+            && (first / last)
+                .max_element()
+                .max((last / first).max_element())
+                > 1.25;
+        let by_row =
+            linear && varies && !matches!(self.target, Target::Projected(_) | Target::Same);
+
+        if linear && !varies {
+            self.push(*cell, radii, Ok(corners), rect, patches);
+        } else if by_row {
+            for row in 0..NODE {
+                let v = row as f64 / NODE as f64;
+                let (west, east) = (nw + (sw - nw) * v, ne + (se - ne) * v);
+                let r = SampleRect::at(cell.min.x, cell.min.y + row, NODE, 1);
+                let radii = self.radii(centre_of(&r), 1.0, change);
+                self.push(r, radii, Ok([west, east, west, east]), rect, patches);
+            }
+        } else {
+            let source_deg = self.source.centre().x;
+            let near = if self.source.columns_around.is_some() {
+                middle_deg
+            } else {
+                source_deg
+            };
+            let exact = |sample: I64Vec2| self.pixel(self.plane(sample.as_dvec2()), near);
+            if varies
+                || self.wraps_inside(corners)
+                || !linear && self.source.is_upright_geographic()
+            {
+                let samples = cell.intersection(rect);
+                for y in samples.min.y..samples.max.y {
+                    for x in samples.min.x..samples.max.x {
+                        let sample = I64Vec2::new(x, y);
+                        let radii = self.radii(sample.as_dvec2(), 1.0, change);
+                        self.push(
+                            SampleRect::at(x, y, 1, 1),
+                            radii,
+                            Err(vec![exact(sample)]),
+                            rect,
+                            patches,
+                        );
+                    }
+                }
+            } else {
+                let places = (0..NODE * NODE)
+                    .map(|i| exact(cell.min + I64Vec2::new(i % NODE, i / NODE)))
+                    .collect();
+                self.push(*cell, radii, Err(places), rect, patches);
+            }
+        }
+    }
+
+    /// Whether a cell of a source that does not run around the globe sees both of its ends.
+    fn wraps_inside(&self, corners: [DVec2; 4]) -> bool {
+        if !self.source.crs.is_geographic() || self.source.columns_around.is_some() {
+            return false;
+        }
+        let turn = self.source.pixel_from_plane.matrix2 * DVec2::new(360.0, 0.0);
+        let low = corners.into_iter().reduce(DVec2::min).unwrap_or_default();
+        let high = corners.into_iter().reduce(DVec2::max).unwrap_or_default();
+        [turn, -turn]
+            .into_iter()
+            .any(|t| self.sees(low + t, high + t))
+            && self.sees(low, high)
+    }
+
+    /// Whether places between two corners (pixels of the full image) touch the source.
+    fn sees(&self, low: DVec2, high: DVec2) -> bool {
+        let x =
+            self.source.columns_around.is_some() || (high.x >= 0.0 && low.x <= self.source.size.x);
+        let y = (high.y >= 0.0 || self.source.reflects[0])
+            && (low.y <= self.source.size.y || self.source.reflects[1]);
+        x && y
+    }
+
+    fn push(
+        &self,
+        samples: SampleRect,
+        radii: DVec2,
+        places: Result<[DVec2; 4], Vec<DVec2>>,
+        rect: &SampleRect,
+        patches: &mut Vec<Patch>,
+    ) {
+        if !samples.overlaps(rect) {
+            return;
+        }
+        let all: &[DVec2] = match &places {
+            Ok(corners) => corners,
+            Err(each) => each,
+        };
+        let mut finite = all
+            .iter()
+            .copied()
+            .filter(|p| p.is_finite() && p.abs().max_element() < 1e12);
+        let Some(one) = finite.next() else { return };
+        let (low, high) = finite.fold((one, one), |(low, high), p| (low.min(p), high.max(p)));
+        if !self.sees(low, high) {
+            return;
+        }
+        // Exact places far outside of the source need no pixels.
+        let (low, high) = match &places {
+            Ok(_) => (low, high),
+            Err(_) => {
+                let (mut start, mut end) = (DVec2::ZERO, self.source.size);
+                if self.source.columns_around.is_some() {
+                    (start.x, end.x) = (f64::MIN, f64::MAX);
+                }
+                if self.source.reflects == [true; 2] {
+                    (start.y, end.y) = (f64::MIN, f64::MAX);
+                }
+                (low.clamp(start, end), high.clamp(start, end))
+            }
+        };
+        let (scale, footprint) = self.scale(radii);
+        let pixel = self.scale_pixel(scale);
+        let min = (low / pixel - 0.5).floor().as_i64vec2() - 1;
+        let max = (high / pixel - 0.5).floor().as_i64vec2() + 4;
+        let window = SampleRect::new(min, max);
+        if window.area() > LARGEST_WINDOW && samples.area() > 1 {
+            self.push_singly(&samples, radii, &places, rect, patches);
+            return;
+        }
+        let relative = |p: DVec2| {
+            let r = p / pixel - min.as_dvec2();
+            [r.x as f32, r.y as f32]
+        };
+        let mut inside = [relative(DVec2::ZERO), relative(self.source.size)];
+        if self.source.columns_around.is_some() {
+            (inside[0][0], inside[1][0]) = (f32::NEG_INFINITY, f32::INFINITY);
+        }
+        if self.source.reflects[0] {
+            inside[0][1] = f32::NEG_INFINITY;
+        }
+        if self.source.reflects[1] {
+            inside[1][1] = f32::INFINITY;
+        }
+        let places = match places {
+            Ok(corners) => Places::Corners(corners.map(relative)),
+            Err(each) => Places::Each(each.into_iter().map(relative).collect()),
+        };
+        patches.push(Patch {
+            rect: samples,
+            scale,
+            footprint,
+            window,
+            places,
+            inside,
+        });
+    }
+
+    /// Pushes the samples of a patch whose window is too large, one by one.
+    fn push_singly(
+        &self,
+        samples: &SampleRect,
+        radii: DVec2,
+        places: &Result<[DVec2; 4], Vec<DVec2>>,
+        rect: &SampleRect,
+        patches: &mut Vec<Patch>,
+    ) {
+        let width = samples.width();
+        for i in 0..samples.area() {
+            let at = I64Vec2::new(i % width, i / width);
+            let place = match places {
+                Ok([nw, ne, sw, se]) => {
+                    let uv = at.as_dvec2() / NODE as f64;
+                    let (west, east) = (*nw + (*sw - *nw) * uv.y, *ne + (*se - *ne) * uv.y);
+                    west + (east - west) * uv.x
+                }
+                Err(each) => each[i as usize],
+            };
+            let sample = SampleRect::at(samples.min.x + at.x, samples.min.y + at.y, 1, 1);
+            self.push(sample, radii, Err(vec![place]), rect, patches);
+        }
+    }
+}
+
+/// The target of a grid for a source.
+pub(crate) fn target(grid: &Grid, source: &SourcePlane) -> Result<Target, super::WarpError> {
+    Ok(match &grid.lattice.crs {
+        GridCrs::Map => Target::Map,
+        GridCrs::Projected(name) => {
+            let crs = super::plane::parse_crs(name)?;
+            if crs.is_geographic() {
+                Target::Degrees
+            } else if crs.same_as(&source.crs) {
+                Target::Same
+            } else {
+                Target::Projected(crs)
+            }
+        }
+    })
+}
