@@ -1,74 +1,139 @@
 //! The compiled graph: nodes, their inputs, and the cut points at which results are stored.
+//!
+//! Every request first resolves what decides the wanted samples ([`resolve`]): identities, invisible
+//! nodes and uniform inputs drop out before any sample is made. What is left is named (content ids)
+//! or made ([`run`]).
+
+mod regions;
+mod resolve;
+mod round;
+mod run;
 
 use std::sync::Arc;
 
 use relievo_planet::{Grid, TileKey};
-use relievo_raster::{Block, Cancel, SampleType, Tile};
+use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
 
 use crate::{ContentId, ImageNode, Known, RenderError};
+use resolve::{Resolver, Source};
+use run::{Maker, Reader};
 
 /// Names a node of one graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeIndex(pub u32);
 
+impl NodeIndex {
+    fn at(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// Gives the tiles that [`Graph::dependencies`] named.
 pub type TileInputs<'a> = dyn Fn(NodeIndex, TileKey) -> Arc<Tile> + 'a;
 
+/// A node, what it reads, and whether its result is stored.
+struct Entry {
+    node: Arc<dyn ImageNode>,
+    inputs: Vec<NodeIndex>,
+    cut: Option<SampleType>,
+}
+
 /// Puts a graph together; inputs come before what reads them.
 #[derive(Default)]
-pub struct GraphBuilder {}
+pub struct GraphBuilder {
+    entries: Vec<Entry>,
+}
 
 /// An immutable graph of nodes.
-pub struct Graph {}
+pub struct Graph {
+    entries: Vec<Entry>,
+}
 
-#[expect(unused_variables, reason = "contract first")]
 impl GraphBuilder {
     /// Adds a node that reads `inputs`.
     ///
     /// # Panics
     /// If an input does not exist yet.
     pub fn add(&mut self, node: Arc<dyn ImageNode>, inputs: &[NodeIndex]) -> NodeIndex {
-        todo!()
+        assert!(inputs.iter().all(|i| i.at() < self.entries.len()), "inputs come before what reads them");
+        self.entries.push(Entry { node, inputs: inputs.to_vec(), cut: None });
+        NodeIndex((self.entries.len() - 1) as u32)
     }
 
     /// Makes a node a cut point: its samples are rounded to `to` and stored as tiles.
+    ///
+    /// # Panics
+    /// If the node does not exist or gives other bands than `to` stores.
     pub fn cut(&mut self, node: NodeIndex, to: SampleType) {
-        todo!()
+        let entry = &mut self.entries[node.at()];
+        assert_eq!(entry.node.output(), to.bands(), "bands of the sample type");
+        entry.cut = Some(to);
     }
 
     /// The graph. Inputs of nodes that are not pointwise become cut points where they are not yet
     /// (heights and normals as their type, colours as `Rgba32F`, which is exact).
-    pub fn build(self) -> Graph {
-        todo!()
+    pub fn build(mut self) -> Graph {
+        let around: Vec<NodeIndex> =
+            self.entries.iter().filter(|e| !e.node.is_pointwise()).flat_map(|e| e.inputs.iter().copied()).collect();
+        for input in around {
+            let entry = &mut self.entries[input.at()];
+            entry.cut = entry.cut.or(Some(match entry.node.output() {
+                Bands::Height => SampleType::Height,
+                Bands::Colour => SampleType::Rgba32F,
+                Bands::Mask => SampleType::Mask,
+                Bands::Normal => SampleType::Normal,
+            }));
+        }
+        Graph { entries: self.entries }
     }
 }
 
-#[expect(unused_variables, reason = "contract first")]
 impl Graph {
+    fn entry(&self, node: NodeIndex) -> &Entry {
+        &self.entries[node.at()]
+    }
+
     /// How a cut point stores its samples; `None` for other nodes.
+    ///
+    /// # Panics
+    /// Here and below: if the node is not one of this graph's.
     pub fn cut_type(&self, node: NodeIndex) -> Option<SampleType> {
-        todo!()
+        self.entry(node).cut
     }
 
     /// The node itself.
     pub fn node(&self, node: NodeIndex) -> &dyn ImageNode {
-        todo!()
+        &*self.entry(node).node
     }
 
     /// What is known of a node's samples on a grid.
     pub fn known(&self, node: NodeIndex, grid: &Grid) -> Known {
-        todo!()
+        Resolver::new(self, Arc::clone(&grid.lattice), None).known_over(node, &grid.rect)
     }
 
     /// Name of what cut point `node` gives on a tile. Makes no sample.
+    ///
+    /// # Panics
+    /// If the node is not a cut point.
     pub fn content_id(&self, node: NodeIndex, key: TileKey) -> ContentId {
-        todo!()
+        let stored = self.stored_as(node);
+        let (mut resolver, at) = self.resolver(key);
+        let source = resolver.resolve(node, at).source;
+        resolver.tile_id(source, stored, at)
     }
 
     /// Tiles of other cut points that [`Graph::make`] reads: after leaving out identities,
     /// invisible nodes and uniform inputs. Sorted, without duplicates.
+    ///
+    /// No dependency has the content id of the tile itself.
     pub fn dependencies(&self, node: NodeIndex, key: TileKey) -> Vec<(NodeIndex, TileKey)> {
-        todo!()
+        let (mut resolver, at) = self.resolver(key);
+        // What another cut point hands through unchanged is made as that one is made.
+        let source = match resolver.resolve(node, at).source {
+            Source::Cut(content) => resolver.raw(content, at).source,
+            uniform_or_uncut => uniform_or_uncut,
+        };
+        resolver.tiles_read(source, at)
     }
 
     /// Makes a tile of cut point `node` from its dependencies: runs of pointwise nodes in one pass
@@ -76,8 +141,26 @@ impl Graph {
     ///
     /// # Errors
     /// [`RenderError`] from a node, or `Cancelled`.
-    pub fn make(&self, node: NodeIndex, key: TileKey, inputs: &TileInputs, cancel: &Cancel) -> Result<Tile, RenderError> {
-        todo!()
+    ///
+    /// # Panics
+    /// If the node is not a cut point, or `inputs` gives tiles of another type than the cut point's.
+    pub fn make(
+        &self,
+        node: NodeIndex,
+        key: TileKey,
+        inputs: &TileInputs,
+        cancel: &Cancel,
+    ) -> Result<Tile, RenderError> {
+        let stored = self.stored_as(node);
+        let (mut resolver, at) = self.resolver(key);
+        let source = match resolver.resolve(node, at).source {
+            Source::Uniform(value) => return Ok(Tile::uniform(round::sample(value, stored))),
+            Source::Cut(content) => resolver.raw(content, at).source,
+            Source::Raw(raw) => Source::Raw(raw),
+        };
+        let mut block = Maker::new(resolver, Reader::Tiles(inputs), cancel).make(source, stored.bands(), at)?;
+        round::block(&mut block, stored);
+        Ok(Tile::from_block(&block, stored))
     }
 
     /// Evaluates any node on any grid, without tiles: what `bake` and `sample` use. Equal bit for
@@ -86,12 +169,27 @@ impl Graph {
     /// # Errors
     /// [`RenderError`] from a node, or `Cancelled`.
     pub fn evaluate(&self, node: NodeIndex, grid: &Grid, cancel: &Cancel) -> Result<Block, RenderError> {
-        todo!()
+        let resolver = Resolver::new(self, Arc::clone(&grid.lattice), None);
+        Maker::new(resolver, Reader::Evaluate, cancel).gather(node, &grid.rect)
     }
 
     /// Kinds of the nodes that decide a sample of `grid`, in order of evaluation: what a user sees
-    /// as "made by". Left-out nodes are not named.
+    /// as "made by". Left-out nodes are not named, nor are those known to give nothing there.
     pub fn made_by(&self, node: NodeIndex, grid: &Grid) -> Vec<NodeIndex> {
-        todo!()
+        Resolver::new(self, Arc::clone(&grid.lattice), None).made_by(node, &grid.rect)
+    }
+
+    fn stored_as(&self, node: NodeIndex) -> SampleType {
+        self.cut_type(node).expect("tiles are asked of cut points only")
+    }
+
+    /// A resolver for the tiles of a level, and the place of one of them in it.
+    fn resolver(&self, key: TileKey) -> (Resolver<'_>, usize) {
+        let mut resolver = Resolver::new(self, Arc::new(key.level.lattice()), Some(key.level));
+        let at = resolver.place(key.rect());
+        (resolver, at)
     }
 }
+
+#[cfg(test)]
+mod tests;

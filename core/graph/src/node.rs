@@ -11,7 +11,7 @@ use crate::IdHasher;
 pub enum Known {
     /// Nothing.
     Nothing,
-    /// Every sample is there: a height is not NaN, a colour has alpha 1.
+    /// Every sample is there: a height is not NaN, a colour has alpha 1, a mask is 1.
     Complete,
     /// Every sample has this value (one entry a plane, the rest 0).
     Uniform([f32; 4]),
@@ -25,6 +25,32 @@ impl Known {
             (Self::Uniform(v), Bands::Colour) => v[3] == 0.0,
             (Self::Uniform(v), Bands::Mask) => v[0] == 0.0,
             _ => false,
+        }
+    }
+
+    /// Whether every sample is known to be there: no NaN height, alpha 1, mask 1.
+    pub fn is_complete(self, bands: Bands) -> bool {
+        match (self, bands) {
+            (Self::Complete, _) | (Self::Uniform(_), Bands::Normal) => true,
+            (Self::Uniform(v), Bands::Height) => !v[0].is_nan(),
+            (Self::Uniform(v), Bands::Colour) => v[3] == 1.0,
+            (Self::Uniform(v), Bands::Mask) => v[0] == 1.0,
+            (Self::Nothing, _) => false,
+        }
+    }
+
+    /// The value that every sample has, if it is known.
+    pub fn as_uniform(self) -> Option<[f32; 4]> {
+        if let Self::Uniform(value) = self { Some(value) } else { None }
+    }
+
+    /// What is known of samples of which some are known as `self` and the others as `other`.
+    #[must_use]
+    pub fn and(self, other: Self, bands: Bands) -> Self {
+        match (self, other) {
+            (Self::Uniform(a), Self::Uniform(b)) if a.map(f32::to_bits) == b.map(f32::to_bits) => self,
+            _ if self.is_complete(bands) && other.is_complete(bands) => Self::Complete,
+            _ => Self::Nothing,
         }
     }
 }
@@ -67,7 +93,7 @@ impl From<ReadError> for RenderError {
 
 /// A pure function from blocks of samples to a block of samples.
 ///
-/// The shared laws (`tests/tests/laws.rs`) hold for every node: `required` and `invalidated` agree;
+/// The shared laws (`core/graph/tests/laws.rs`) hold for every node: `required` and `invalidated` agree;
 /// samples outside `required` do not matter; a whole equals its tiles bit for bit.
 pub trait ImageNode: Send + Sync {
     /// Name of the kind, unique and stable: part of every content id.

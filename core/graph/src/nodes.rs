@@ -1,1 +1,26 @@
-//! One file per node.
+//! One file per node. Each says what it computes, its ranges and its source.
+
+pub mod add_heights;
+pub mod adjust;
+pub mod constant;
+pub mod edge_fade;
+pub mod file;
+mod ground;
+pub mod memory;
+pub mod noise;
+pub mod normals;
+pub mod overlay;
+pub mod overlay_heights;
+pub mod tint;
+
+pub use add_heights::AddHeights;
+pub use adjust::{Adjust, AdjustParams};
+pub use constant::Constant;
+pub use edge_fade::EdgeFade;
+pub use file::FileSource;
+pub use memory::Memory;
+pub use noise::{Noise, NoiseParams};
+pub use normals::Normals;
+pub use overlay::{BlendMode, Overlay};
+pub use overlay_heights::OverlayHeights;
+pub use tint::{Stop, Tint, TintError};

@@ -1,0 +1,121 @@
+//! Rounding at cut points: a block holds exactly what its tile would give back.
+
+use half::f16;
+use relievo_raster::{Block, Sample, SampleType, colour};
+
+/// Rounds a block to what `to` stores. Idempotent; zeros and NaNs become the one of their kind, and
+/// a colour whose alpha rounds to 0 becomes 0 as a whole.
+///
+/// # Panics
+/// If the block holds other bands than `to` stores.
+pub(super) fn block(block: &mut Block, to: SampleType) {
+    assert_eq!(block.bands(), to.bands(), "bands of the sample type");
+    match to {
+        SampleType::Height => each(block.samples_mut(), height),
+        SampleType::Mask => each(block.samples_mut(), eight_bit),
+        SampleType::Normal => each(block.samples_mut(), half_float),
+        SampleType::Rgba8 => colours(block, eight_bit),
+        SampleType::Rgba16F => colours(block, half_float),
+        SampleType::Rgba32F => colours(block, |v| v + 0.0),
+    }
+}
+
+fn each(samples: &mut [f32], round: impl Fn(f32) -> f32) {
+    for v in samples {
+        *v = round(*v);
+    }
+}
+
+fn colours(block: &mut Block, round: impl Fn(f32) -> f32) {
+    let [r, g, b, a] = block.planes_mut();
+    each(a, &round);
+    for plane in [r, g, b] {
+        for (v, a) in plane.iter_mut().zip(a.iter()) {
+            *v = if *a > 0.0 { round(*v) } else { 0.0 };
+        }
+    }
+    for v in a {
+        *v = if *v > 0.0 { *v } else { 0.0 };
+    }
+}
+
+/// NaNs of every kind become one, for their bits depend on the platform.
+fn height(v: f32) -> f32 {
+    if v.is_nan() { f32::NAN } else { v }
+}
+
+fn eight_bit(v: f32) -> f32 {
+    colour::from_u8(colour::to_u8(v))
+}
+
+fn half_float(v: f32) -> f32 {
+    f16::from_f32(v + 0.0).to_f32()
+}
+
+/// One working value rounded to what `to` stores.
+pub(super) fn value(value: [f32; 4], to: SampleType) -> [f32; 4] {
+    let planes = to.bands().planes();
+    let mut one = Block::filled(to.bands(), 1, 1, &value[..planes]);
+    block(&mut one, to);
+    core::array::from_fn(|plane| one.samples().get(plane).copied().unwrap_or(0.0))
+}
+
+/// A working value as it is stored.
+pub(super) fn sample(working: [f32; 4], to: SampleType) -> Sample {
+    let v = value(working, to);
+    match to {
+        SampleType::Height => Sample::Height(v[0]),
+        SampleType::Rgba8 => Sample::Rgba8(v.map(colour::to_u8)),
+        SampleType::Rgba16F => Sample::Rgba16F(v.map(f16::from_f32)),
+        SampleType::Rgba32F => Sample::Rgba32F(v),
+        SampleType::Mask => Sample::Mask(colour::to_u8(v[0])),
+        SampleType::Normal => Sample::Normal([v[0], v[1]].map(f16::from_f32)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use relievo_planet::TILE_SAMPLES;
+    use relievo_raster::Tile;
+
+    use super::*;
+
+    const TYPES: [SampleType; 6] = [
+        SampleType::Height,
+        SampleType::Rgba8,
+        SampleType::Rgba16F,
+        SampleType::Rgba32F,
+        SampleType::Mask,
+        SampleType::Normal,
+    ];
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn a_rounded_block_is_what_its_tile_gives_back(
+            values in prop::collection::vec(prop_oneof![-0.2..1.2_f32, Just(f32::NAN), Just(-0.0_f32)], 64),
+        ) {
+            let side = TILE_SAMPLES as usize;
+            for to in TYPES {
+                let mut rounded = Block::new(to.bands(), side, side);
+                for (i, v) in rounded.samples_mut().iter_mut().enumerate() {
+                    *v = values[(i * 7 + i / 64) % 64];
+                }
+                block(&mut rounded, to);
+                let tile = Tile::from_block(&rounded, to);
+                let mut back = Block::new(to.bands(), side, side);
+                tile.copy_to((0, 0), &mut back, (0, 0), (side, side));
+                for (a, b) in rounded.samples().iter().zip(back.samples()) {
+                    prop_assert!(a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()), "{to:?} {a} {b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_colour_that_rounds_to_transparent_is_nothing_at_all() {
+        assert_eq!(value([0.5, 0.5, 0.5, 0.001], SampleType::Rgba8), [0.0; 4]);
+        assert_eq!(value([0.5, 0.5, 0.5, f32::NAN], SampleType::Rgba32F), [0.0; 4]);
+    }
+}

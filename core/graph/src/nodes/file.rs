@@ -1,0 +1,154 @@
+//! Samples of a raster file, laid on the grid: the loader and the map resampler.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::I64Vec2;
+use parking_lot::Mutex;
+use relievo_planet::{Grid, GridCrs, SampleRect};
+use relievo_raster::kernel::Kernel;
+use relievo_raster::warp::{Coverage, Warp};
+use relievo_raster::{Bands, Block};
+
+use super::memory::add_grid;
+use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
+
+/// Grids whose coverage is remembered; each takes about 100 bytes.
+const REMEMBERED: usize = 16_384;
+
+/// A raster file as heights in metres or straight, display-referred colours. No inputs.
+///
+/// The file's coordinate system is undone and its samples interpolated (or averaged from its
+/// overviews where the grid is coarser) by [`Warp`]. Heights become height · scale + offset.
+#[derive(Debug)]
+pub struct FileSource {
+    warp: Arc<Warp>,
+    scale: f64,
+    offset_m: f64,
+    name: ContentId,
+    coverage: Mutex<HashMap<Place, Coverage>>,
+}
+
+/// A map grid by its bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Place {
+    origin: [u64; 2],
+    step: [u64; 2],
+    rect: SampleRect,
+}
+
+impl FileSource {
+    /// `kernel` is the one that `warp` was made with. `scale` and `offset_m` change heights only:
+    /// metres per unit of the file's values, and metres added; numbers that are not finite count
+    /// as 1 and 0.
+    pub fn new(warp: Arc<Warp>, kernel: Kernel, scale: f64, offset_m: f64) -> Self {
+        let scale = if scale.is_finite() { scale } else { 1.0 };
+        let offset_m = if offset_m.is_finite() { offset_m } else { 0.0 };
+        let mut id = IdHasher::default();
+        id.bytes(&warp.file().fingerprint());
+        id.int(match kernel {
+            Kernel::Nearest => 0,
+            Kernel::Bilinear => 1,
+            Kernel::Bicubic => 2,
+        });
+        // The finest step stands for the planet that the file was laid on.
+        id.float(scale).float(offset_m).float(warp.finest_step_rad());
+        if let Some(place) = &warp.file().info().georeference {
+            // The user may have said where the file lies.
+            id.bytes(place.crs.as_bytes());
+            for v in place.plane_from_pixel {
+                id.float(v);
+            }
+        }
+        Self { warp, scale, offset_m, name: id.finish(), coverage: Mutex::default() }
+    }
+
+    /// The file on the map.
+    pub fn warp(&self) -> &Arc<Warp> {
+        &self.warp
+    }
+
+    fn coverage(&self, grid: &Grid) -> Coverage {
+        let lattice = &grid.lattice;
+        if lattice.crs != GridCrs::Map {
+            return self.warp.coverage(grid);
+        }
+        let place = Place {
+            origin: lattice.origin.to_array().map(f64::to_bits),
+            step: lattice.step.to_array().map(f64::to_bits),
+            rect: grid.rect,
+        };
+        if let Some(known) = self.coverage.lock().get(&place) {
+            return *known;
+        }
+        let coverage = self.warp.coverage(grid);
+        let mut remembered = self.coverage.lock();
+        if remembered.len() >= REMEMBERED {
+            remembered.clear();
+        }
+        remembered.insert(place, coverage);
+        coverage
+    }
+
+    /// Whether no sample of the grid can be a hole.
+    fn is_complete(&self, grid: &Grid) -> bool {
+        // Only JPEG has neither nodata, masks, alpha nor chunks that are left out.
+        if self.warp.file().info().format != "JPEG" {
+            return false;
+        }
+        if self.warp.covers_globe() {
+            return true;
+        }
+        let lattice = &grid.lattice;
+        if lattice.crs != GridCrs::Map || self.coverage(grid) != Coverage::Inside {
+            return false;
+        }
+        // Kernels reach over the outline near it: by up to two samples or four pixels of the file.
+        let reach = libm::ceil(4.0 * self.warp.finest_step_rad() / lattice.step.abs().min_element()) + 2.0;
+        if reach > 1e6 {
+            return false;
+        }
+        let around = SampleRect::new(grid.rect.min - I64Vec2::splat(reach as i64), grid.rect.max + reach as i64);
+        self.coverage(&grid.with_rect(around)) == Coverage::Inside
+    }
+}
+
+impl ImageNode for FileSource {
+    fn kind(&self) -> &'static str {
+        "file"
+    }
+
+    fn output(&self) -> Bands {
+        self.warp.file().info().bands
+    }
+
+    fn is_pointwise(&self) -> bool {
+        true
+    }
+
+    fn identify(&self, grid: &Grid, id: &mut IdHasher) {
+        id.id(self.name);
+        add_grid(grid, id);
+    }
+
+    fn known(&self, grid: &Grid, _inputs: &[Known]) -> Known {
+        if self.coverage(grid) == Coverage::Outside {
+            let absent = if self.output() == Bands::Height { f32::NAN } else { 0.0 };
+            Known::Uniform([absent, 0.0, 0.0, 0.0])
+        } else if self.is_complete(grid) {
+            Known::Complete
+        } else {
+            Known::Nothing
+        }
+    }
+
+    fn render(&self, job: &Job, _inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
+        self.warp.render(job.grid, out, job.cancel)?;
+        if out.bands() == Bands::Height && (self.scale != 1.0 || self.offset_m != 0.0) {
+            for h in out.samples_mut() {
+                *h = (f64::from(*h) * self.scale + self.offset_m) as f32;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,274 @@
+//! Fractal noise on the sphere: detail beyond the data's own resolution, or a whole planet.
+
+mod simplex;
+
+use glam::{DVec2, I64Vec2};
+use relievo_planet::{Grid, GridCrs, Planet};
+use relievo_raster::{Bands, Block};
+
+use super::ground::Ground;
+use super::memory::add_grid;
+use crate::{IdHasher, ImageNode, Job, Known, RenderError};
+use simplex::simplex;
+
+const KIND: &str = "noise";
+
+/// Most octaves that a noise has; a factor of 2 each spans all scales of a planet.
+pub const MAX_OCTAVES: u32 = 32;
+
+/// What noise to make.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseParams {
+    /// Another seed gives unrelated noise.
+    pub seed: u64,
+    /// Largest height of the first octave in metres.
+    pub amplitude_m: f64,
+    /// Size of the first octave's features in metres on the ground, at least 0.01.
+    pub wavelength_m: f64,
+    /// Number of octaves, clamped to [`MAX_OCTAVES`].
+    pub octaves: u32,
+    /// Each octave's wavelength is the one before divided by this; clamped to 1.01 to 100, usually 2.
+    pub lacunarity: f64,
+    /// Each octave's amplitude is the one before times this; clamped to 0 to 1, usually ½.
+    pub gain: f64,
+    /// Whether octaves are folded to ridges: 1 − 2 |n| instead of n.
+    pub ridged: bool,
+}
+
+/// One octave as it is evaluated.
+#[derive(Clone, Copy, Debug)]
+struct Octave {
+    /// Features in a radius.
+    scale: f64,
+    wavelength_m: f64,
+    amplitude_m: f64,
+    seed: u64,
+}
+
+/// Fractal simplex noise in metres of height. No inputs.
+///
+/// The sum over octaves of amplitude · n(P / wavelength), P the sample's place on the sphere in
+/// metres: no seam at the antimeridian, nothing special at the poles. An octave fades out smoothly
+/// where its wavelength falls from 4 to 2 samples of the grid on the ground (the longer side of a
+/// sample counts), so coarse levels are low-pass filtered and cost only what they can show.
+///
+/// Source: F. K. Musgrave in *Texturing and Modeling* (2003), chapters 14 (fractional Brownian
+/// motion) and 16 (ridges; without his feedback between octaves).
+#[derive(Clone, Debug)]
+pub struct Noise {
+    planet: Planet,
+    params: NoiseParams,
+    octaves: Vec<Octave>,
+}
+
+impl Noise {
+    /// Numbers that are not finite count as 0 height (`amplitude_m`), 1 km, 2 and ½.
+    pub fn new(planet: Planet, params: &NoiseParams) -> Self {
+        let sane = |v: f64, default: f64| if v.is_finite() { v } else { default };
+        let params = NoiseParams {
+            amplitude_m: sane(params.amplitude_m, 0.0),
+            wavelength_m: sane(params.wavelength_m, 1000.0).max(0.01),
+            octaves: params.octaves.min(MAX_OCTAVES),
+            lacunarity: sane(params.lacunarity, 2.0).clamp(1.01, 100.0),
+            gain: sane(params.gain, 0.5).clamp(0.0, 1.0),
+            ..*params
+        };
+        let (mut wavelength_m, mut amplitude_m) = (params.wavelength_m, params.amplitude_m);
+        let mut octaves = Vec::new();
+        for octave in 0..params.octaves {
+            // Below a centimetre f64 coordinates run out of digits.
+            if wavelength_m < 0.01 || amplitude_m == 0.0 {
+                break;
+            }
+            let seed = params.seed.wrapping_add(u64::from(octave)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            octaves.push(Octave { scale: planet.radius_m / wavelength_m, wavelength_m, amplitude_m, seed });
+            wavelength_m /= params.lacunarity;
+            amplitude_m *= params.gain;
+        }
+        Self { planet, params, octaves }
+    }
+
+    /// Octaves that a grid with samples of this size can show, with their faded amplitudes.
+    fn shown(&self, spacing_m: f64, shown: &mut Vec<Octave>) {
+        shown.clear();
+        for octave in &self.octaves {
+            let t = (octave.wavelength_m / spacing_m - 2.0) / 2.0;
+            if t > 0.0 {
+                let t = t.min(1.0);
+                let fade = t * t * (3.0 - 2.0 * t);
+                shown.push(Octave { amplitude_m: octave.amplitude_m * fade, ..*octave });
+            }
+        }
+    }
+
+    /// The sum of octaves at a unit vector.
+    #[inline]
+    fn height_m(&self, unit: [f64; 3], octaves: &[Octave]) -> f32 {
+        let mut height_m = 0.0;
+        for octave in octaves {
+            let n = simplex(unit.map(|v| v * octave.scale), octave.seed);
+            let n = if self.params.ridged { 1.0 - 2.0 * n.abs() } else { n };
+            height_m += octave.amplitude_m * n;
+        }
+        height_m as f32
+    }
+
+    fn render_map(&self, job: &Job, out: &mut Block) -> Result<(), RenderError> {
+        let Grid { lattice, rect } = job.grid;
+        let columns: Vec<(f64, f64)> = (rect.min.x..rect.max.x)
+            .map(|x| libm::sincos(lattice.map_point(I64Vec2::new(x, rect.min.y)).lon_rad))
+            .collect();
+        let mut octaves = Vec::new();
+        for (line, y) in out.plane_mut(0).chunks_exact_mut(columns.len().max(1)).zip(rect.min.y..) {
+            if job.cancel.is_cancelled() {
+                return Err(RenderError::Cancelled);
+            }
+            let (sin_colat, cos_colat) = libm::sincos(lattice.map_point(I64Vec2::new(0, y)).colat_rad);
+            let spacing = DVec2::new(lattice.step.x * sin_colat, lattice.step.y).abs().max_element();
+            self.shown(spacing * self.planet.radius_m, &mut octaves);
+            for (h, (sin_lon, cos_lon)) in line.iter_mut().zip(&columns) {
+                *h = self.height_m([sin_colat * cos_lon, sin_colat * sin_lon, cos_colat], &octaves);
+            }
+        }
+        Ok(())
+    }
+
+    fn render_projected(&self, job: &Job, out: &mut Block) -> Result<(), RenderError> {
+        let Grid { lattice, rect } = job.grid;
+        let ground = Ground::new(lattice, KIND)?;
+        let width = out.width().max(1);
+        let mut octaves = Vec::new();
+        for (line, y) in out.plane_mut(0).chunks_exact_mut(width).zip(rect.min.y..) {
+            if job.cancel.is_cancelled() {
+                return Err(RenderError::Cancelled);
+            }
+            for (h, x) in line.iter_mut().zip(rect.min.x..) {
+                let sample = I64Vec2::new(x, y);
+                let place = ground.point(sample.as_dvec2() + 0.5).zip(ground.steps_m(&self.planet, sample));
+                *h = place.map_or(f32::NAN, |(point, [column, row])| {
+                    self.shown(column.length().max(row.length()), &mut octaves);
+                    self.height_m(point.to_unit().to_array(), &octaves)
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ImageNode for Noise {
+    fn kind(&self) -> &'static str {
+        KIND
+    }
+
+    fn output(&self) -> Bands {
+        Bands::Height
+    }
+
+    fn is_pointwise(&self) -> bool {
+        true
+    }
+
+    fn identify(&self, grid: &Grid, id: &mut IdHasher) {
+        let p = &self.params;
+        id.int(p.seed as i64).int(i64::from(p.octaves)).int(i64::from(p.ridged));
+        for v in [p.amplitude_m, p.wavelength_m, p.lacunarity, p.gain, self.planet.radius_m] {
+            id.float(v);
+        }
+        if grid.lattice.crs != GridCrs::Map {
+            id.float(self.planet.equatorial_radius_m).float(self.planet.flattening);
+        }
+        add_grid(grid, id);
+    }
+
+    fn known(&self, grid: &Grid, _inputs: &[Known]) -> Known {
+        let nothing = Known::Uniform([0.0; 4]);
+        if self.octaves.is_empty() && grid.lattice.crs == GridCrs::Map {
+            return nothing;
+        }
+        if grid.lattice.crs != GridCrs::Map {
+            return Known::Nothing;
+        }
+        // The shortest samples of any row show most.
+        let spacing_m = grid.lattice.step.y.abs() * self.planet.radius_m;
+        let longest = self.octaves.first().map_or(0.0, |octave| octave.wavelength_m);
+        if longest / spacing_m <= 2.0 { nothing } else { Known::Complete }
+    }
+
+    fn render(&self, job: &Job, _inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
+        match job.grid.lattice.crs {
+            GridCrs::Map => self.render_map(job, out),
+            GridCrs::Projected(_) => self.render_projected(job, out),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use proptest::prelude::*;
+    use relievo_planet::{LevelKey, SampleRect};
+    use relievo_raster::Cancel;
+
+    use super::*;
+
+    fn params() -> NoiseParams {
+        NoiseParams {
+            seed: 1,
+            amplitude_m: 1000.0,
+            wavelength_m: 3e6,
+            octaves: 6,
+            lacunarity: 2.0,
+            gain: 0.5,
+            ridged: false,
+        }
+    }
+
+    fn heights(params: &NoiseParams, level: LevelKey, rect: SampleRect) -> Vec<f32> {
+        let mut out = Block::new(Bands::Height, rect.width() as usize, rect.height() as usize);
+        let grid = Grid::new(Arc::new(level.lattice()), rect);
+        let node = Noise::new(Planet::EARTH, params);
+        node.render(&Job { grid: &grid, cancel: &Cancel::default() }, &[], &mut out).unwrap();
+        out.samples().to_vec()
+    }
+
+    #[test]
+    fn there_is_no_seam_at_the_antimeridian_and_no_artefact_at_a_pole() {
+        let level = LevelKey::new(3, 2);
+        let size = level.samples();
+        let west = heights(&params(), level, SampleRect::at(0, 500, 1, 1))[0];
+        let east = heights(&params(), level, SampleRect::at(size.x - 1, 500, 1, 1))[0];
+        assert!((west - east).abs() < 40.0, "{west} {east}");
+        let ring = heights(&params(), level, SampleRect::at(0, 0, size.x, 1));
+        let (low, high) = ring.iter().fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        assert!(high - low < 80.0, "all samples around the pole are near each other: {low} {high}");
+    }
+
+    #[test]
+    fn octaves_too_fine_for_a_level_are_left_out() {
+        let fine = NoiseParams { wavelength_m: 1000.0, ..params() };
+        let level = LevelKey::new(1, 0);
+        assert!(heights(&fine, level, SampleRect::at(0, 0, 9, 9)).iter().all(|h| *h == 0.0));
+        let grid = Grid::new(Arc::new(level.lattice()), SampleRect::at(0, 0, 9, 9));
+        assert_eq!(Noise::new(Planet::EARTH, &fine).known(&grid, &[]), Known::Uniform([0.0; 4]));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn any_parameters_give_finite_heights(
+            amplitude_m: f64, wavelength_m: f64, lacunarity: f64, gain: f64, octaves in 0..40_u32, ridged: bool,
+        ) {
+            prop_assume!(amplitude_m.abs() < 1e30);
+            let wild = NoiseParams { seed: 3, amplitude_m, wavelength_m, octaves, lacunarity, gain, ridged };
+            let all = heights(&wild, LevelKey::new(8, 7), SampleRect::at(100, 3, 4, 4));
+            prop_assert!(all.iter().all(|h| h.is_finite()));
+        }
+
+        #[test]
+        fn heights_stay_within_the_sum_of_amplitudes(seed: u64, x in 0..2000_i64, y in 0..1000_i64, ridged: bool) {
+            let all = heights(&NoiseParams { seed, ridged, ..params() }, LevelKey::new(3, 2), SampleRect::at(x, y, 2, 2));
+            prop_assert!(all.iter().all(|h| h.abs() <= 2000.0));
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Colours over colours.
+
+use relievo_planet::Grid;
+use relievo_raster::colour::{linear_from_srgb, srgb_from_linear};
+use relievo_raster::{Bands, Block};
+
+use crate::{IdHasher, ImageNode, Job, Known, RenderError};
+
+/// How the colours of two layers meet, before they are mixed by alpha.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum BlendMode {
+    /// The top's colour.
+    #[default]
+    Normal,
+    /// Product: darkens.
+    Multiply,
+    /// Sum, not clamped here: brightens.
+    Add,
+    /// Inverse of the product of inverses: brightens without clipping.
+    Screen,
+    /// Multiplies where the base is dark, screens where it is bright.
+    Overlay,
+}
+
+impl BlendMode {
+    /// B(base, top) of one channel of straight, display-referred values.
+    ///
+    /// Source: W3C Compositing and Blending Level 1, 9.1; `Add` is the plain sum.
+    #[inline]
+    fn blend(self, base: f32, top: f32) -> f32 {
+        match self {
+            Self::Normal => top,
+            Self::Multiply => base * top,
+            Self::Add => base + top,
+            Self::Screen => base + top - base * top,
+            Self::Overlay if base <= 0.5 => 2.0 * base * top,
+            Self::Overlay => {
+                let bright = 2.0 * base - 1.0;
+                bright + top - bright * top
+            }
+        }
+    }
+
+    /// Stable over versions of the program.
+    fn tag(self) -> i64 {
+        match self {
+            Self::Normal => 0,
+            Self::Multiply => 1,
+            Self::Add => 2,
+            Self::Screen => 3,
+            Self::Overlay => 4,
+        }
+    }
+}
+
+/// The top over the base.
+///
+/// Inputs: base colours, top colours and, if masked, a mask. With αt = alpha of the top · opacity ·
+/// mask and αb = alpha of the base:
+///
+/// - α = αt + αb (1 − αt)
+/// - α·C = αt (1 − αb) Ct + αt αb B(Cb, Ct) + (1 − αt) αb Cb
+///
+/// where B works on display-referred values and everything else in linear light. Where αt is 0 the
+/// result is the base bit for bit; where αb is 0, or αt is 1 in normal mode, its colour is the
+/// top's bit for bit; where both are 1 it is B.
+///
+/// Source: W3C Compositing and Blending Level 1, 5.
+#[derive(Clone, Copy, Debug)]
+pub struct Overlay {
+    mode: BlendMode,
+    opacity: f32,
+    masked: bool,
+}
+
+impl Overlay {
+    /// `opacity` is clamped to 0..=1, NaN counts as 0; `masked` says whether there is a third input.
+    pub fn new(mode: BlendMode, opacity: f32, masked: bool) -> Self {
+        Self { mode, opacity: clamped(opacity), masked }
+    }
+
+    fn mask_known(&self, inputs: &[Known]) -> Known {
+        if self.masked { inputs[2] } else { Known::Complete }
+    }
+
+    #[inline]
+    fn composite(&self, base: [f32; 4], top: [f32; 4], weight: f32) -> [f32; 4] {
+        let [br, bg, bb, ab] = base;
+        let at = top[3] * weight;
+        if at <= 0.0 || at.is_nan() {
+            return base;
+        }
+        let [tr, tg, tb, _] = top;
+        if ab <= 0.0 || (at >= 1.0 && self.mode == BlendMode::Normal) {
+            return [tr, tg, tb, at];
+        }
+        let channels = [(br, tr), (bg, tg), (bb, tb)];
+        if at >= 1.0 && ab >= 1.0 {
+            let [r, g, b] = channels.map(|(b, t)| self.mode.blend(b, t));
+            return [r, g, b, at];
+        }
+        let alpha = if ab >= 1.0 { ab } else { at + ab * (1.0 - at) };
+        let [r, g, b] = channels.map(|(b, t)| {
+            let top = linear_from_srgb(t);
+            let met = if self.mode == BlendMode::Normal {
+                top
+            } else {
+                let blended = linear_from_srgb(self.mode.blend(b, t));
+                top + ab * (blended - top)
+            };
+            srgb_from_linear((at * met + (1.0 - at) * ab * linear_from_srgb(b)) / alpha)
+        });
+        [r, g, b, alpha]
+    }
+}
+
+/// A weight brought to 0..=1; NaN becomes 0.
+pub(crate) fn clamped(weight: f32) -> f32 {
+    if weight > 0.0 { weight.min(1.0) } else { 0.0 }
+}
+
+impl ImageNode for Overlay {
+    fn kind(&self) -> &'static str {
+        "overlay"
+    }
+
+    fn output(&self) -> Bands {
+        Bands::Colour
+    }
+
+    fn is_pointwise(&self) -> bool {
+        true
+    }
+
+    fn identify(&self, _grid: &Grid, id: &mut IdHasher) {
+        id.int(self.mode.tag()).float(f64::from(self.opacity)).int(i64::from(self.masked));
+    }
+
+    fn known(&self, _grid: &Grid, inputs: &[Known]) -> Known {
+        let mask = if self.masked { inputs[2].as_uniform().map(|m| m[0]) } else { Some(1.0) };
+        if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) = (inputs[0], inputs[1], mask) {
+            return Known::Uniform(self.composite(base, top, self.opacity * mask));
+        }
+        let covered = self.opacity == 1.0
+            && inputs[1].is_complete(Bands::Colour)
+            && self.mask_known(inputs).is_complete(Bands::Mask);
+        if covered || inputs[0].is_complete(Bands::Colour) { Known::Complete } else { Known::Nothing }
+    }
+
+    fn identity(&self, _grid: &Grid, inputs: &[Known]) -> Option<usize> {
+        let mask = self.mask_known(inputs);
+        if self.opacity == 0.0 || inputs[1].is_absent(Bands::Colour) || mask.is_absent(Bands::Mask) {
+            return Some(0);
+        }
+        let unweighted = self.opacity == 1.0 && mask.is_complete(Bands::Mask);
+        let covers = self.mode == BlendMode::Normal && inputs[1].is_complete(Bands::Colour);
+        (unweighted && (covers || inputs[0].is_absent(Bands::Colour))).then_some(1)
+    }
+
+    fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
+        let (base, top) = (inputs[0], inputs[1]);
+        let mask = self.masked.then(|| inputs[2].plane(0));
+        let [bp, tp]: [[&[f32]; 4]; 2] = [base, top].map(|block| core::array::from_fn(|plane| block.plane(plane)));
+        let [r, g, b, a] = out.planes_mut();
+        for i in 0..a.len() {
+            let weight = mask.map_or(self.opacity, |m| self.opacity * m[i]);
+            [r[i], g[i], b[i], a[i]] = self.composite(bp.map(|p| p[i]), tp.map(|p| p[i]), weight);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const MODES: [BlendMode; 5] =
+        [BlendMode::Normal, BlendMode::Multiply, BlendMode::Add, BlendMode::Screen, BlendMode::Overlay];
+
+    fn colours() -> impl Strategy<Value = [f32; 4]> {
+        (prop::array::uniform3(0.0..=1.0_f32), prop_oneof![Just(0.0_f32), Just(1.0), 0.0..1.0_f32])
+            .prop_map(|([r, g, b], a)| if a > 0.0 { [r, g, b, a] } else { [0.0; 4] })
+    }
+
+    proptest! {
+        #[test]
+        fn a_weight_of_nothing_gives_the_base_to_the_bit(base in colours(), top in colours(), mode in 0..5_usize) {
+            let node = Overlay::new(MODES[mode], 1.0, true);
+            prop_assert_eq!(node.composite(base, top, 0.0), base);
+            prop_assert_eq!(node.composite(base, [0.0; 4], 1.0), base);
+        }
+
+        #[test]
+        fn an_opaque_top_in_normal_mode_hides_the_base_to_the_bit(base in colours(), top in colours()) {
+            let opaque = [top[0], top[1], top[2], 1.0];
+            prop_assert_eq!(Overlay::new(BlendMode::Normal, 1.0, false).composite(base, opaque, 1.0), opaque);
+        }
+
+        #[test]
+        fn nothing_below_leaves_the_top_to_the_bit(top in colours(), mode in 0..5_usize) {
+            prop_assert_eq!(Overlay::new(MODES[mode], 1.0, false).composite([0.0; 4], top, 1.0), top);
+        }
+
+        #[test]
+        fn an_opaque_base_stays_opaque(base in colours(), top in colours(), w in 0.0..1.0_f32, mode in 0..5_usize) {
+            let base = [base[0], base[1], base[2], 1.0];
+            prop_assert_eq!(Overlay::new(MODES[mode], w, false).composite(base, top, w)[3], 1.0);
+        }
+
+        #[test]
+        fn normal_mode_agrees_with_premultiplied_over(base in colours(), top in colours(), w in 0.0..1.0_f32) {
+            let node = Overlay::new(BlendMode::Normal, w, false);
+            let mixed = node.composite(base, top, w);
+            let at = top[3] * w;
+            let alpha = at + base[3] * (1.0 - at);
+            prop_assume!(alpha > 0.01);
+            prop_assert!((mixed[3] - alpha).abs() < 1e-6);
+            for c in 0..3 {
+                let linear = |v| f64::from(linear_from_srgb(v));
+                let over = f64::from(at) * linear(top[c]) + f64::from((1.0 - at) * base[3]) * linear(base[c]);
+                prop_assert!((linear(mixed[c]) - over / f64::from(alpha)).abs() < 2e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn modes_give_the_values_of_the_specification() {
+        let value = |mode: BlendMode, b, t| mode.blend(b, t);
+        assert_eq!(value(BlendMode::Multiply, 0.5, 0.5), 0.25);
+        assert_eq!(value(BlendMode::Screen, 0.5, 0.5), 0.75);
+        assert_eq!(value(BlendMode::Overlay, 0.25, 0.5), 0.25);
+        assert_eq!(value(BlendMode::Overlay, 0.75, 0.5), 0.75);
+        assert_eq!(value(BlendMode::Add, 0.75, 0.5), 1.25);
+    }
+}
