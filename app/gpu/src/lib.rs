@@ -1,1 +1,35 @@
-//! .
+//! The clipmap front-end: textures, displacement, terrain, sky, on wgpu.
+//!
+//! ```text
+//! Engine::drain -> Frame --Renderer::render--> clipmap textures -> displaced rings -> picture
+//!                                              Renderer::blit -> window   Renderer::read_back -> file
+//! ```
+//!
+//! Invariant: nothing here sees a project; all it knows of the world is a `Frame`.
+//! A device that is lost is replaced: [`Gpu`] anew, [`Renderer::rebuilt`], all uploads again.
+
+mod bind;
+pub mod blit;
+pub mod clipmap_textures;
+pub mod device;
+pub mod displace;
+pub mod frame_group;
+pub mod measure;
+pub mod mesh;
+pub mod quality;
+pub mod readback;
+pub mod renderer;
+pub mod sky;
+pub mod stats;
+pub mod targets;
+pub mod terrain;
+pub mod timing;
+pub mod uniforms;
+
+pub use clipmap_textures::UploadError;
+pub use device::{Gpu, GpuError, LossWatch, device_descriptor};
+pub use quality::{AdapterClass, Look, Quality};
+pub use readback::{Picture, ReadError};
+pub use renderer::{PickedPoint, RenderError, Renderer};
+pub use stats::FrameStats;
+pub use terrain::TerrainKey;

@@ -1,0 +1,29 @@
+//! What a frame cost.
+
+use crate::terrain::TerrainKey;
+
+/// Figures of one drawn frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameStats {
+    /// Whether nothing had changed, so that the picture before it was kept and nothing drawn.
+    pub reused: bool,
+    /// Triangles drawn.
+    pub triangles: u64,
+    /// Triangles that would have been drawn without leaving out invisible sectors.
+    pub triangles_without_culling: u64,
+    /// Draw calls for terrain.
+    pub draws: u32,
+    /// Vertices displaced; 0 when neither view nor heights had changed.
+    pub displaced_vertices: u64,
+    /// Uploads stored before drawing.
+    pub uploads: u32,
+    /// Bytes they sent.
+    pub uploaded_bytes: u64,
+    /// The pipeline that drew the terrain: what of colour, light and air the scene used.
+    pub pipeline: TerrainKey,
+    /// Memory of textures, mesh and targets on the device, bytes.
+    pub gpu_memory: u64,
+    /// GPU time of the latest frame that has been measured, milliseconds; a frame or two old.
+    /// `None` where the device has no timestamps.
+    pub gpu_ms: Option<f64>,
+}

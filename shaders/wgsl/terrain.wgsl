@@ -1,0 +1,174 @@
+// terrain.wgsl: vertex entry `terrain_vertex`, fragment entry `terrain_fragment`.
+// Colours the ground: finds its place on the map and its clip levels per fragment, lights it and
+// puts the air in front of it. Specialised to what a scene uses by the overrides below.
+// Spaces: as lib/frame.wgsl; the map transform runs per fragment, so that the azimuth seam beyond
+//         a pole needs no vertices of its own.
+
+#import lib/frame
+#import lib/transform
+#import lib/clipmap
+#import lib/sky
+#import lib/light
+
+// What the scene uses.
+override HAS_COLOUR: bool = true;
+override HAS_NORMALS: bool = true;
+override HAS_HAZE: bool = true;
+// Most taps along the major axis of a footprint.
+override MAX_TAPS: u32 = 8u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> clip_levels: array<LevelView, LEVEL_SLOTS>;
+@group(1) @binding(0) var colours: texture_2d_array<f32>;
+@group(1) @binding(1) var normals: texture_2d_array<f32>;
+@group(1) @binding(2) var wrapping: sampler;
+
+// Linear light of ground that no source colours.
+const BARE_GROUND: vec3f = vec3f(0.23, 0.22, 0.20);
+
+struct Varyings {
+    @builtin(position) position: vec4f,
+    @location(0) vertex: vec3f,
+    @location(1) from_eye_m: vec3f,
+    @location(2) height_m: f32,
+}
+
+@vertex
+fn terrain_vertex(@location(0) displaced: vec4f, @location(1) vertex: vec4f) -> Varyings {
+    return Varyings(
+        frame.clip_from_eye * vec4f(displaced.xyz, 1.0),
+        vertex.xyz,
+        displaced.xyz,
+        displaced.w,
+    );
+}
+
+// A fragment's footprint on the ground.
+struct Footprint {
+    minor_rad: f32,  // size to choose levels by, as an angle at the planet's centre
+    major_rad: f32,  // length of the longer axis, not below minor_rad
+    major: vec2f,    // its direction: (east, south), unit length
+}
+
+// `dx`, `dy`: steps on the unit sphere to the next pixel, (east, south) in radians; `size_rad`:
+// the footprint of a pixel seen at right angles.
+fn footprint_of(dx: vec2f, dy: vec2f, size_rad: f32) -> Footprint {
+    // Scaled to about 1, since squares of squares of tiny angles leave the range of f32.
+    let a = dx / size_rad;
+    let b = dy / size_rad;
+    let xx = a.x * a.x + b.x * b.x;
+    let xy = a.x * a.y + b.x * b.y;
+    let yy = a.y * a.y + b.y * b.y;
+    let half_gap = 0.5 * (xx - yy);
+    let longest = 0.5 * (xx + yy) + sqrt(half_gap * half_gap + xy * xy);
+    var major = vec2f(1.0, 0.0);
+    if (abs(xy) > 1e-6 * longest) {
+        major = normalize(vec2f(xy, longest - xx));
+    } else if (yy > xx) {
+        major = vec2f(0.0, 1.0);
+    }
+    // A footprint cut by the horizon has no end: what is beyond a thousand pixels changes nothing.
+    let major_rad = clamp(sqrt(longest), 1.0, 1000.0) * size_rad;
+    return Footprint(max(size_rad, major_rad / f32(MAX_TAPS)), major_rad, major);
+}
+
+// Mean of a level's texels along the footprint's major axis.
+fn filtered(source: texture_2d_array<f32>, level: u32, delta: vec2f, axis: vec2f, length_rad: f32) -> vec4f {
+    let per_rad = clip_levels[level].samples_per_rad;
+    let centre = delta * per_rad;
+    // Taps spread over the part of the axis that a single bilinear tap does not cover.
+    let spread_rad = max(length_rad - clip_levels[level].texel_rad, 0.0);
+    let taps = clamp(ceil(length_rad / clip_levels[level].texel_rad - 0.25), 1.0, f32(MAX_TAPS));
+    let layer = clip_levels[level].layer;
+    var sum = vec4f(0.0);
+    for (var k = 0.5; k < taps; k += 1.0) {
+        let along = (k / taps - 0.5) * spread_rad * step(1.5, taps);
+        let offset = clamp(centre + axis * along * per_rad, clip_levels[level].valid_min, clip_levels[level].valid_max);
+        sum += textureSampleLevel(source, wrapping, storage_of(level, offset) / frame.colour_window, layer, 0.0);
+    }
+    return sum / taps;
+}
+
+// Both levels of a choice, mixed.
+fn mixed(source: texture_2d_array<f32>, first: u32, choice: LevelChoice, delta: vec2f, axis: vec2f, length_rad: f32) -> vec4f {
+    var value = vec4f(0.0);
+    if (choice.coarse_weight < 1.0) {
+        value = (1.0 - choice.coarse_weight) * filtered(source, first + choice.fine, delta, axis, length_rad);
+    }
+    if (choice.coarse_weight > 0.0) {
+        value += choice.coarse_weight * filtered(source, first + choice.coarse, delta, axis, length_rad);
+    }
+    return value;
+}
+
+// Air between the eye and a place `height_m` above the sphere, in columns. `towards_eye`: unit
+// vector from the place.
+fn air_between(height_m: f32, up: vec3f, towards_eye: vec3f) -> f32 {
+    let up_here = dot(up, towards_eye);
+    let up_at_eye = dot(frame.eye_up_in_focus, towards_eye);
+    var air = 0.0;
+    if (up_at_eye < 0.0) {
+        // The place is higher: count from the eye, where the air is denser.
+        air = air_to_space(frame.altitude_m, -up_at_eye) - air_to_space(height_m, -up_here);
+    } else {
+        air = air_to_space(height_m, up_here) - air_to_space(frame.altitude_m, up_at_eye);
+    }
+    return max(air, 0.0);
+}
+
+@fragment
+fn terrain_fragment(in: Varyings) -> @location(0) vec4f {
+    // Steps to the next pixel come from the vector, which unlike the map coordinates jumps nowhere.
+    let step_x = dpdx(in.vertex);
+    let step_y = dpdy(in.vertex);
+
+    let sin_cos = frame.sin_cos_colat;
+    let delta = map_delta(in.vertex, sin_cos);
+    let place = meridian_of(in.vertex, sin_cos);
+    let up = normalize(vec3f(place.px, in.vertex.y, place.pz));
+    let rho = max(place.rho, 1e-12);
+    let east = select(vec3f(-in.vertex.y, place.px, 0.0) / rho, vec3f(0.0, 1.0, 0.0), place.rho < 1e-12);
+    let north = cross(up, east);
+
+    let turned_x = meridian_from_focus(vec3f(step_x.xy, -step_x.z), sin_cos);
+    let turned_y = meridian_from_focus(vec3f(step_y.xy, -step_y.z), sin_cos);
+    let depth_m = max(dot(in.from_eye_m, frame.ray_forward), 1e-3);
+    let footprint = footprint_of(
+        vec2f(dot(turned_x, east), -dot(turned_x, north)),
+        vec2f(dot(turned_y, east), -dot(turned_y, north)),
+        depth_m * frame.pixel_rad / (frame.radius_m + in.height_m),
+    );
+    // The axis in map radians; a quarter turn at most, at a pole itself.
+    let axis = vec2f(footprint.major.x / max(rho, footprint.major_rad), footprint.major.y);
+
+    var ground = BARE_GROUND;
+    if (HAS_COLOUR) {
+        let stack = LevelStack({{COLOUR_SLOT}}u, frame.colour_levels);
+        let choice = colour_level_for(stack, footprint.minor_rad, delta);
+        if (choice.fine != NO_LEVEL) {
+            let colour = mixed(colours, stack.first, choice, delta, axis, footprint.major_rad);
+            ground = mix(BARE_GROUND, colour.rgb, colour.a);
+        }
+    }
+
+    let sun = meridian_from_focus(frame.sun_in_focus, sin_cos);
+    if (HAS_NORMALS) {
+        let stack = LevelStack({{NORMAL_SLOT}}u, frame.normal_levels);
+        let choice = colour_level_for(stack, footprint.minor_rad, delta);
+        var normal = up;
+        if (choice.fine != NO_LEVEL) {
+            let east_north = mixed(normals, stack.first, choice, delta, axis, footprint.major_rad).xy;
+            normal = ground_normal(east_north, east, north, up);
+        }
+        ground *= lit(normal, up, sun);
+    }
+
+    if (HAS_HAZE) {
+        let towards_eye = -normalize(in.from_eye_m);
+        let up_in_focus = normalize(vec3f(in.vertex.xy, 1.0 - in.vertex.z));
+        let air = air_between(in.height_m, up_in_focus, towards_eye);
+        ground = ground * transmitted(air)
+            + scattered(air, dot(up, sun), -dot(towards_eye, frame.sun_in_focus));
+    }
+    return to_pixel(ground, in.position.xy);
+}
