@@ -55,8 +55,15 @@ impl GraphBuilder {
     /// # Panics
     /// If an input does not exist yet.
     pub fn add(&mut self, node: Arc<dyn ImageNode>, inputs: &[NodeIndex]) -> NodeIndex {
-        assert!(inputs.iter().all(|i| i.at() < self.entries.len()), "inputs come before what reads them");
-        self.entries.push(Entry { node, inputs: inputs.to_vec(), cut: None });
+        assert!(
+            inputs.iter().all(|i| i.at() < self.entries.len()),
+            "inputs come before what reads them"
+        );
+        self.entries.push(Entry {
+            node,
+            inputs: inputs.to_vec(),
+            cut: None,
+        });
         NodeIndex((self.entries.len() - 1) as u32)
     }
 
@@ -73,8 +80,12 @@ impl GraphBuilder {
     /// The graph. Inputs of nodes that are not pointwise become cut points where they are not yet
     /// (heights and normals as their type, colours as `Rgba32F`, which is exact).
     pub fn build(mut self) -> Graph {
-        let around: Vec<NodeIndex> =
-            self.entries.iter().filter(|e| !e.node.is_pointwise()).flat_map(|e| e.inputs.iter().copied()).collect();
+        let around: Vec<NodeIndex> = self
+            .entries
+            .iter()
+            .filter(|e| !e.node.is_pointwise())
+            .flat_map(|e| e.inputs.iter().copied())
+            .collect();
         for input in around {
             let entry = &mut self.entries[input.at()];
             entry.cut = entry.cut.or(Some(match entry.node.output() {
@@ -84,7 +95,9 @@ impl GraphBuilder {
                 Bands::Normal => SampleType::Normal,
             }));
         }
-        Graph { entries: self.entries }
+        Graph {
+            entries: self.entries,
+        }
     }
 }
 
@@ -158,7 +171,8 @@ impl Graph {
             Source::Cut(content) => resolver.raw(content, at).source,
             Source::Raw(raw) => Source::Raw(raw),
         };
-        let mut block = Maker::new(resolver, Reader::Tiles(inputs), cancel).make(source, stored.bands(), at)?;
+        let mut block =
+            Maker::new(resolver, Reader::Tiles(inputs), cancel).make(source, stored.bands(), at)?;
         round::block(&mut block, stored);
         Ok(Tile::from_block(&block, stored))
     }
@@ -168,7 +182,12 @@ impl Graph {
     ///
     /// # Errors
     /// [`RenderError`] from a node, or `Cancelled`.
-    pub fn evaluate(&self, node: NodeIndex, grid: &Grid, cancel: &Cancel) -> Result<Block, RenderError> {
+    pub fn evaluate(
+        &self,
+        node: NodeIndex,
+        grid: &Grid,
+        cancel: &Cancel,
+    ) -> Result<Block, RenderError> {
         let resolver = Resolver::new(self, Arc::clone(&grid.lattice), None);
         Maker::new(resolver, Reader::Evaluate, cancel).gather(node, &grid.rect)
     }
@@ -180,7 +199,8 @@ impl Graph {
     }
 
     fn stored_as(&self, node: NodeIndex) -> SampleType {
-        self.cut_type(node).expect("tiles are asked of cut points only")
+        self.cut_type(node)
+            .expect("tiles are asked of cut points only")
     }
 
     /// A resolver for the tiles of a level, and the place of one of them in it.

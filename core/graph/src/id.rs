@@ -12,7 +12,9 @@ pub struct IdHasher(blake3::Hasher);
 impl IdHasher {
     /// Adds bytes.
     pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
-        self.0.update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
+        self.0
+            .update(&(bytes.len() as u64).to_le_bytes())
+            .update(bytes);
         self
     }
 
@@ -24,7 +26,11 @@ impl IdHasher {
 
     /// Adds a float by its bits; all NaNs are the same, and so are both zeros.
     pub fn float(&mut self, value: f64) -> &mut Self {
-        let canonical = if value.is_nan() { f64::NAN } else { value + 0.0 };
+        let canonical = if value.is_nan() {
+            f64::NAN
+        } else {
+            value + 0.0
+        };
         self.0.update(&canonical.to_bits().to_le_bytes());
         self
     }

@@ -41,14 +41,20 @@ impl Known {
 
     /// The value that every sample has, if it is known.
     pub fn as_uniform(self) -> Option<[f32; 4]> {
-        if let Self::Uniform(value) = self { Some(value) } else { None }
+        if let Self::Uniform(value) = self {
+            Some(value)
+        } else {
+            None
+        }
     }
 
     /// What is known of samples of which some are known as `self` and the others as `other`.
     #[must_use]
     pub fn and(self, other: Self, bands: Bands) -> Self {
         match (self, other) {
-            (Self::Uniform(a), Self::Uniform(b)) if a.map(f32::to_bits) == b.map(f32::to_bits) => self,
+            (Self::Uniform(a), Self::Uniform(b)) if a.map(f32::to_bits) == b.map(f32::to_bits) => {
+                self
+            }
             _ if self.is_complete(bands) && other.is_complete(bands) => Self::Complete,
             _ => Self::Nothing,
         }

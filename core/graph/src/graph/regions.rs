@@ -25,30 +25,54 @@ pub(super) struct Region {
 }
 
 /// The regions of `rect`, which may lie anywhere; pieces are tiles when `level` is given.
-pub(super) fn regions(lattice: &Lattice, level: Option<LevelKey>, rect: &SampleRect) -> Vec<Region> {
+pub(super) fn regions(
+    lattice: &Lattice,
+    level: Option<LevelKey>,
+    rect: &SampleRect,
+) -> Vec<Region> {
     if rect.is_empty() {
         return Vec::new();
     }
     let Some(columns) = lattice.columns_around else {
         let size = (rect.width() as usize, rect.height() as usize);
-        return vec![Region { piece: *rect, from: (0, 0), to: (0, 0), size, over_pole: false }];
+        return vec![Region {
+            piece: *rect,
+            from: (0, 0),
+            to: (0, 0),
+            size,
+            over_pole: false,
+        }];
     };
     let rows = (PI / lattice.step.y.abs()).round().max(1.0) as i64;
-    let side = if level.is_some() { TILE_SAMPLES } else { i64::MAX };
+    let side = if level.is_some() {
+        TILE_SAMPLES
+    } else {
+        i64::MAX
+    };
     let mut all = Vec::new();
     let mut y = rect.min.y;
     while y < rect.max.y {
         let phase = y.rem_euclid(2 * rows);
         let over_pole = phase >= rows;
         // The extent's row that comes first in the rectangle; beyond a pole the next ones lie above.
-        let row = if over_pole { 2 * rows - 1 - phase } else { phase };
-        let until_end = if over_pole { row % side + 1 } else { (side - row % side).min(rows - row) };
+        let row = if over_pole {
+            2 * rows - 1 - phase
+        } else {
+            phase
+        };
+        let until_end = if over_pole {
+            row % side + 1
+        } else {
+            (side - row % side).min(rows - row)
+        };
         let height = until_end.min(rect.max.y - y);
         let first_row = if over_pole { row + 1 - height } else { row };
         let mut x = rect.min.x;
         while x < rect.max.x {
             let column = (x + if over_pole { columns / 2 } else { 0 }).rem_euclid(columns);
-            let width = (side - column % side).min(columns - column).min(rect.max.x - x);
+            let width = (side - column % side)
+                .min(columns - column)
+                .min(rect.max.x - x);
             let piece = if level.is_some() {
                 SampleRect::at(column / side * side, first_row / side * side, side, side)
             } else {
@@ -56,7 +80,10 @@ pub(super) fn regions(lattice: &Lattice, level: Option<LevelKey>, rect: &SampleR
             };
             all.push(Region {
                 piece,
-                from: ((column - piece.min.x) as usize, (first_row - piece.min.y) as usize),
+                from: (
+                    (column - piece.min.x) as usize,
+                    (first_row - piece.min.y) as usize,
+                ),
                 to: ((x - rect.min.x) as usize, (y - rect.min.y) as usize),
                 size: (width as usize, height as usize),
                 over_pole,
@@ -70,7 +97,12 @@ pub(super) fn regions(lattice: &Lattice, level: Option<LevelKey>, rect: &SampleR
 
 /// The tile that a piece is.
 pub(super) fn tile_key(level: LevelKey, piece: &SampleRect) -> TileKey {
-    TileKey::new(level, piece.min.x / TILE_SAMPLES, piece.min.y / TILE_SAMPLES).expect("pieces are tiles of the level")
+    TileKey::new(
+        level,
+        piece.min.x / TILE_SAMPLES,
+        piece.min.y / TILE_SAMPLES,
+    )
+    .expect("pieces are tiles of the level")
 }
 
 impl Region {
@@ -78,7 +110,8 @@ impl Region {
     pub(super) fn is_whole(&self, rect: &SampleRect) -> bool {
         !self.over_pole && self.to == (0, 0) && self.from == (0, 0) && {
             let size = (rect.width(), rect.height());
-            size == (self.size.0 as i64, self.size.1 as i64) && size == (self.piece.width(), self.piece.height())
+            size == (self.size.0 as i64, self.size.1 as i64)
+                && size == (self.piece.width(), self.piece.height())
         }
     }
 
@@ -96,7 +129,9 @@ impl Region {
 
     /// Copies from a block of the piece's samples.
     pub(super) fn copy_block(&self, piece: &Block, out: &mut Block) {
-        self.copy(out, |from, out, to, size| out.copy_from(piece, from, to, size));
+        self.copy(out, |from, out, to, size| {
+            out.copy_from(piece, from, to, size)
+        });
     }
 
     /// Copies from the tile that the piece is.
@@ -104,7 +139,11 @@ impl Region {
         self.copy(out, |from, out, to, size| tile.copy_to(from, out, to, size));
     }
 
-    fn copy(&self, out: &mut Block, copy: impl Fn((usize, usize), &mut Block, (usize, usize), (usize, usize))) {
+    fn copy(
+        &self,
+        out: &mut Block,
+        copy: impl Fn((usize, usize), &mut Block, (usize, usize), (usize, usize)),
+    ) {
         if self.over_pole {
             for row in 0..self.size.1 {
                 let from = (self.from.0, self.from.1 + self.size.1 - 1 - row);

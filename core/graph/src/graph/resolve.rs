@@ -56,7 +56,12 @@ pub(super) struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     /// Rectangles are split into tiles of `level` where one is given.
     pub(super) fn new(graph: &'a Graph, lattice: Arc<Lattice>, level: Option<LevelKey>) -> Self {
-        Self { graph, lattice, level, places: Vec::new() }
+        Self {
+            graph,
+            lattice,
+            level,
+            places: Vec::new(),
+        }
     }
 
     /// A short name for a rectangle inside the lattice's extent.
@@ -89,7 +94,11 @@ impl<'a> Resolver<'a> {
     }
 
     fn slot(&self, node: NodeIndex, at: usize) -> Slot {
-        self.places[at].1.get(node.at()).copied().unwrap_or_default()
+        self.places[at]
+            .1
+            .get(node.at())
+            .copied()
+            .unwrap_or_default()
     }
 
     fn slot_mut(&mut self, node: NodeIndex, at: usize) -> &mut Slot {
@@ -109,7 +118,12 @@ impl<'a> Resolver<'a> {
                 let entry = graph.entry(top);
                 let before = stack.len();
                 if entry.node.is_pointwise() {
-                    stack.extend(entry.inputs.iter().filter(|i| self.slot(**i, at).out.is_none()));
+                    stack.extend(
+                        entry
+                            .inputs
+                            .iter()
+                            .filter(|i| self.slot(**i, at).out.is_none()),
+                    );
                 }
                 if stack.len() > before {
                     continue;
@@ -218,7 +232,8 @@ impl<'a> Resolver<'a> {
             if self.known_id(top, at).is_none() {
                 let before = stack.len();
                 self.for_each_source_here(top, at, |this, source| {
-                    if !matches!(source, Source::Uniform(_)) && this.known_id(source, at).is_none() {
+                    if !matches!(source, Source::Uniform(_)) && this.known_id(source, at).is_none()
+                    {
                         stack.push(source);
                     }
                 });
@@ -226,8 +241,12 @@ impl<'a> Resolver<'a> {
                     continue;
                 }
                 match top {
-                    Source::Raw(node) => self.slot_mut(node, at).raw_id = Some(self.raw_id(node, at)),
-                    Source::Cut(node) => self.slot_mut(node, at).cut_id = Some(self.cut_id(node, at)),
+                    Source::Raw(node) => {
+                        self.slot_mut(node, at).raw_id = Some(self.raw_id(node, at))
+                    }
+                    Source::Cut(node) => {
+                        self.slot_mut(node, at).cut_id = Some(self.cut_id(node, at))
+                    }
                     Source::Uniform(_) => {}
                 }
             }
@@ -237,7 +256,12 @@ impl<'a> Resolver<'a> {
     }
 
     /// Calls `each` with what `source` reads on the same rectangle.
-    fn for_each_source_here(&mut self, source: Source, at: usize, mut each: impl FnMut(&mut Self, Source)) {
+    fn for_each_source_here(
+        &mut self,
+        source: Source,
+        at: usize,
+        mut each: impl FnMut(&mut Self, Source),
+    ) {
         match source {
             Source::Uniform(_) => {}
             Source::Cut(node) => {
@@ -268,7 +292,8 @@ impl<'a> Resolver<'a> {
     fn raw_id(&mut self, node: NodeIndex, at: usize) -> ContentId {
         let entry = self.graph.entry(node);
         let mut id = IdHasher::default();
-        id.bytes(entry.node.kind().as_bytes()).int(i64::from(entry.node.version()));
+        id.bytes(entry.node.kind().as_bytes())
+            .int(i64::from(entry.node.version()));
         entry.node.identify(&self.grid(at), &mut id);
         id.int(entry.inputs.len() as i64);
         for (k, input) in entry.inputs.iter().enumerate() {
@@ -292,7 +317,13 @@ impl<'a> Resolver<'a> {
         let regions = self.regions(rect);
         id.int(regions.len() as i64);
         for region in regions {
-            let Region { from, to, size, over_pole, .. } = region;
+            let Region {
+                from,
+                to,
+                size,
+                over_pole,
+                ..
+            } = region;
             for (x, y) in [from, to, size] {
                 id.int((x as i64) << 32 | y as i64);
             }
@@ -315,7 +346,8 @@ impl<'a> Resolver<'a> {
         match source {
             Source::Uniform(value) => add_uniform(value, UNSTORED, id),
             Source::Raw(_) | Source::Cut(_) => {
-                id.bytes(b"id").id(self.known_id(source, at).expect("inputs are named first"));
+                id.bytes(b"id")
+                    .id(self.known_id(source, at).expect("inputs are named first"));
             }
         }
     }
@@ -350,7 +382,10 @@ impl<'a> Resolver<'a> {
                     vec![at]
                 } else {
                     let regions = self.regions(&entry.node.required(k, self.rect(at)));
-                    regions.iter().map(|region| self.place(region.piece)).collect()
+                    regions
+                        .iter()
+                        .map(|region| self.place(region.piece))
+                        .collect()
                 };
                 for piece in pieces {
                     if let Source::Cut(cut) = self.resolve(*input, piece).source {
@@ -382,8 +417,12 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             let grid = self.grid(at);
-            let known: Vec<Known> =
-                entry.inputs.iter().enumerate().map(|(k, i)| self.known_of_input(node, k, *i, at)).collect();
+            let known: Vec<Known> = entry
+                .inputs
+                .iter()
+                .enumerate()
+                .map(|(k, i)| self.known_of_input(node, k, *i, at))
+                .collect();
             if let Some(k) = entry.node.identity(&grid, &known) {
                 stack.push((entry.inputs[k], at));
                 continue;
@@ -407,14 +446,22 @@ impl<'a> Resolver<'a> {
 
 /// What a cut point makes of its node's result: rounding what is already rounded so adds nothing.
 fn rounded(graph: &Graph, node: NodeIndex, raw: Value) -> Value {
-    let Some(to) = graph.entry(node).cut else { return raw };
+    let Some(to) = graph.entry(node).cut else {
+        return raw;
+    };
     match raw.source {
         Source::Uniform(value) => {
             let value = round::value(value, to);
-            Value { source: Source::Uniform(value), known: Known::Uniform(value) }
+            Value {
+                source: Source::Uniform(value),
+                known: Known::Uniform(value),
+            }
         }
         Source::Cut(inner) if graph.entry(inner).cut == Some(to) => raw,
-        Source::Raw(_) | Source::Cut(_) => Value { source: Source::Cut(node), known: raw.known },
+        Source::Raw(_) | Source::Cut(_) => Value {
+            source: Source::Cut(node),
+            known: raw.known,
+        },
     }
 }
 
@@ -437,6 +484,10 @@ fn add_uniform(value: [f32; 4], tag: i64, id: &mut IdHasher) {
     id.bytes(b"uniform").int(tag);
     for v in value {
         // By its bits, not as a number: an uncut −0 is another input than 0.
-        id.int(if v.is_nan() { i64::MIN } else { i64::from(v.to_bits()) });
+        id.int(if v.is_nan() {
+            i64::MIN
+        } else {
+            i64::from(v.to_bits())
+        });
     }
 }

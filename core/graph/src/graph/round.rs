@@ -116,6 +116,9 @@ mod tests {
     #[test]
     fn a_colour_that_rounds_to_transparent_is_nothing_at_all() {
         assert_eq!(value([0.5, 0.5, 0.5, 0.001], SampleType::Rgba8), [0.0; 4]);
-        assert_eq!(value([0.5, 0.5, 0.5, f32::NAN], SampleType::Rgba32F), [0.0; 4]);
+        assert_eq!(
+            value([0.5, 0.5, 0.5, f32::NAN], SampleType::Rgba32F),
+            [0.0; 4]
+        );
     }
 }

@@ -49,18 +49,33 @@ pub(super) struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     pub(super) fn new(resolver: Resolver<'a>, reader: Reader<'a>, cancel: &'a Cancel) -> Self {
-        Self { resolver, reader, cancel, evaluated: HashMap::new() }
+        Self {
+            resolver,
+            reader,
+            cancel,
+            evaluated: HashMap::new(),
+        }
     }
 
     /// The samples of `source` on a place.
-    pub(super) fn make(&mut self, source: Source, bands: Bands, at: usize) -> Result<Block, RenderError> {
+    pub(super) fn make(
+        &mut self,
+        source: Source,
+        bands: Bands,
+        at: usize,
+    ) -> Result<Block, RenderError> {
         if self.cancel.is_cancelled() {
             return Err(RenderError::Cancelled);
         }
         match source {
             Source::Uniform(value) => {
                 let (width, height) = size(&self.resolver.rect(at));
-                Ok(Block::filled(bands, width, height, &value[..bands.planes()]))
+                Ok(Block::filled(
+                    bands,
+                    width,
+                    height,
+                    &value[..bands.planes()],
+                ))
             }
             Source::Cut(node) => {
                 let stored = self.stored(node, at)?;
@@ -80,7 +95,11 @@ impl<'a> Maker<'a> {
     }
 
     /// The samples of a node on a rectangle anywhere, put together from its pieces.
-    pub(super) fn gather(&mut self, node: NodeIndex, rect: &SampleRect) -> Result<Block, RenderError> {
+    pub(super) fn gather(
+        &mut self,
+        node: NodeIndex,
+        rect: &SampleRect,
+    ) -> Result<Block, RenderError> {
         let bands = self.resolver.graph.entry(node).node.output();
         let regions = self.resolver.regions(rect);
         if let [only] = &regions[..]
@@ -100,7 +119,9 @@ impl<'a> Maker<'a> {
                     Stored::Tile(tile) => region.copy_tile(&tile, &mut out),
                     Stored::Block(block) => region.copy_block(&block, &mut out),
                 },
-                source @ Source::Raw(_) => region.copy_block(&self.make(source, bands, at)?, &mut out),
+                source @ Source::Raw(_) => {
+                    region.copy_block(&self.make(source, bands, at)?, &mut out)
+                }
             }
         }
         Ok(out)
@@ -141,7 +162,14 @@ impl<'a> Maker<'a> {
         let mut out = Block::new(entry.node.output(), width, height);
         let grid = self.resolver.grid(at);
         let inputs: Vec<&Block> = inputs.iter().collect();
-        entry.node.render(&Job { grid: &grid, cancel: self.cancel }, &inputs, &mut out)?;
+        entry.node.render(
+            &Job {
+                grid: &grid,
+                cancel: self.cancel,
+            },
+            &inputs,
+            &mut out,
+        )?;
         Ok(out)
     }
 
@@ -152,7 +180,9 @@ impl<'a> Maker<'a> {
         let grid = self.resolver.grid(at);
         let (width, height) = size(&grid.rect);
         let mut out = Block::new(self.resolver.graph.entry(root).node.output(), width, height);
-        let mut blocks: Vec<Block> = (0..registers.count).map(|_| Block::new(Bands::Height, 0, 0)).collect();
+        let mut blocks: Vec<Block> = (0..registers.count)
+            .map(|_| Block::new(Bands::Height, 0, 0))
+            .collect();
         let strip_rows = (STRIP_SAMPLES / width.max(1)).max(1);
         for first in (0..height).step_by(strip_rows) {
             if self.cancel.is_cancelled() {
@@ -166,7 +196,10 @@ impl<'a> Maker<'a> {
                 rows as i64,
             ));
             for (i, step) in steps.iter().enumerate() {
-                let mut block = core::mem::replace(&mut blocks[registers.of[i]], Block::new(Bands::Height, 0, 0));
+                let mut block = core::mem::replace(
+                    &mut blocks[registers.of[i]],
+                    Block::new(Bands::Height, 0, 0),
+                );
                 block.reshape(bands[i], width, rows);
                 match step {
                     Step::Uniform(value) => {
@@ -182,9 +215,17 @@ impl<'a> Maker<'a> {
                         tile.copy_to((0, first), &mut block, (0, 0), (width, rows));
                     }
                     Step::Node(node, reads) => {
-                        let inputs: Vec<&Block> = reads.iter().map(|k| &blocks[registers.of[*k]]).collect();
-                        let job = Job { grid: &strip, cancel: self.cancel };
-                        self.resolver.graph.entry(*node).node.render(&job, &inputs, &mut block)?;
+                        let inputs: Vec<&Block> =
+                            reads.iter().map(|k| &blocks[registers.of[*k]]).collect();
+                        let job = Job {
+                            grid: &strip,
+                            cancel: self.cancel,
+                        };
+                        self.resolver
+                            .graph
+                            .entry(*node)
+                            .node
+                            .render(&job, &inputs, &mut block)?;
                     }
                 }
                 blocks[registers.of[i]] = block;

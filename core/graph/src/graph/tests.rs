@@ -7,8 +7,8 @@ use relievo_raster::{Cancel, Sample, SampleType};
 
 use super::*;
 use crate::nodes::{
-    AddHeights, Adjust, AdjustParams, BlendMode, Constant, Memory, Noise, NoiseParams, Normals, Overlay,
-    OverlayHeights, Stop, Tint,
+    AddHeights, Adjust, AdjustParams, BlendMode, Constant, Memory, Noise, NoiseParams, Normals,
+    Overlay, OverlayHeights, Stop, Tint,
 };
 
 fn noise(seed: u64) -> Arc<Noise> {
@@ -27,7 +27,10 @@ fn noise(seed: u64) -> Arc<Noise> {
 }
 
 fn tint() -> Arc<Tint> {
-    let stops = [(-500.0, 0.0), (500.0, 1.0)].map(|(height_m, v)| Stop { height_m, rgba: [v, 0.5, 0.25, 1.0] });
+    let stops = [(-500.0, 0.0), (500.0, 1.0)].map(|(height_m, v)| Stop {
+        height_m,
+        rgba: [v, 0.5, 0.25, 1.0],
+    });
     Arc::new(Tint::new(&stops, true).unwrap())
 }
 
@@ -55,13 +58,25 @@ fn inert_nodes_leave_ids_and_dependencies_as_they_were() {
     let (inert, inert_end) = chain(|b, colours| {
         let same = b.add(Arc::new(Adjust::new(&AdjustParams::default())), &[colours]);
         let top = b.add(Arc::new(Constant::colour([1.0; 4])), &[]);
-        let hidden = b.add(Arc::new(Overlay::new(BlendMode::Screen, 0.0, false)), &[same, top]);
+        let hidden = b.add(
+            Arc::new(Overlay::new(BlendMode::Screen, 0.0, false)),
+            &[same, top],
+        );
         let hole = b.add(Arc::new(Constant::colour([0.0; 4])), &[]);
-        b.add(Arc::new(Overlay::new(BlendMode::Normal, 1.0, false)), &[hidden, hole])
+        b.add(
+            Arc::new(Overlay::new(BlendMode::Normal, 1.0, false)),
+            &[hidden, hole],
+        )
     });
     let tile = key(2, 1, 3, 0);
-    assert_eq!(plain.content_id(end, tile), inert.content_id(inert_end, tile));
-    assert_eq!(inert.made_by(inert_end, &tile.grid()), [NodeIndex(0), NodeIndex(1)]);
+    assert_eq!(
+        plain.content_id(end, tile),
+        inert.content_id(inert_end, tile)
+    );
+    assert_eq!(
+        inert.made_by(inert_end, &tile.grid()),
+        [NodeIndex(0), NodeIndex(1)]
+    );
 }
 
 #[test]
@@ -72,7 +87,10 @@ fn an_opaque_top_hides_everything_below_from_the_id() {
         let base = b.add(tint(), &[base]);
         let top = b.add(noise(9), &[]);
         let top = b.add(tint(), &[top]);
-        let over = b.add(Arc::new(Overlay::new(BlendMode::Normal, 1.0, false)), &[base, top]);
+        let over = b.add(
+            Arc::new(Overlay::new(BlendMode::Normal, 1.0, false)),
+            &[base, top],
+        );
         b.cut(over, SampleType::Rgba8);
         b.build().content_id(over, key(1, 0, 1, 0))
     };
@@ -91,8 +109,15 @@ fn a_cut_point_over_one_of_its_own_type_is_the_same_content_and_is_made_the_same
     let graph = b.build();
     let tile = key(2, 1, 0, 1);
     assert_eq!(graph.content_id(inner, tile), graph.content_id(outer, tile));
-    assert_eq!(graph.dependencies(outer, tile), [(colours, tile)], "not on the tile that is itself");
-    assert_ne!(graph.content_id(colours, tile), graph.content_id(inner, tile));
+    assert_eq!(
+        graph.dependencies(outer, tile),
+        [(colours, tile)],
+        "not on the tile that is itself"
+    );
+    assert_ne!(
+        graph.content_id(colours, tile),
+        graph.content_id(inner, tile)
+    );
 }
 
 #[test]
@@ -113,7 +138,10 @@ fn uniform_content_is_named_by_value_and_read_from_nowhere() {
     let mut b = GraphBuilder::default();
     let direct = b.add(Arc::new(Constant::colour([1.0, 0.5, 0.25, 1.0])), &[]);
     b.cut(direct, SampleType::Rgba8);
-    assert_eq!(b.build().content_id(direct, key(5, 4, 0, 0)), constant.content_id(end, tile));
+    assert_eq!(
+        b.build().content_id(direct, key(5, 4, 0, 0)),
+        constant.content_id(end, tile)
+    );
 }
 
 #[test]
@@ -126,16 +154,25 @@ fn normals_read_the_nine_tiles_around_and_over_the_poles() {
     assert_eq!(graph.cut_type(heights), Some(SampleType::Height));
     assert_eq!(graph.dependencies(normals, key(3, 2, 4, 1)).len(), 9);
     let at_pole = graph.dependencies(normals, key(3, 2, 0, 0));
-    assert!(at_pole.contains(&(heights, key(3, 2, 4, 0))), "half way around: {at_pole:?}");
-    assert!(at_pole.contains(&(heights, key(3, 2, 7, 1))), "west of the antimeridian: {at_pole:?}");
-    assert_eq!(graph.dependencies(normals, key(0, 0, 0, 0)), [(heights, key(0, 0, 0, 0))]);
+    assert!(
+        at_pole.contains(&(heights, key(3, 2, 4, 0))),
+        "half way around: {at_pole:?}"
+    );
+    assert!(
+        at_pole.contains(&(heights, key(3, 2, 7, 1))),
+        "west of the antimeridian: {at_pole:?}"
+    );
+    assert_eq!(
+        graph.dependencies(normals, key(0, 0, 0, 0)),
+        [(heights, key(0, 0, 0, 0))]
+    );
 }
 
 #[test]
 fn a_change_of_one_tile_changes_ids_of_its_neighbours_only() {
     let level = LevelKey::new(4, 3);
     let graph = |height_m: f32| {
-        let spot = relievo_planet::Grid::new(Arc::new(level.lattice()), SampleRect::at(1100, 600, 20, 20));
+        let spot = Grid::new(Arc::new(level.lattice()), SampleRect::at(1100, 600, 20, 20));
         let mut b = GraphBuilder::default();
         let base = b.add(noise(1), &[]);
         let patch = Memory::new(&spot, Block::filled(Bands::Height, 20, 20, &[height_m]));
@@ -156,7 +193,9 @@ fn a_change_of_one_tile_changes_ids_of_its_neighbours_only() {
         }
     }
     // The patch lies in tile (4, 2); normals around it read that tile.
-    let around: Vec<(i64, i64)> = (1..4).flat_map(|row| (3..6).map(move |column| (column, row))).collect();
+    let around: Vec<(i64, i64)> = (1..4)
+        .flat_map(|row| (3..6).map(move |column| (column, row)))
+        .collect();
     assert_eq!(changed, around);
 }
 
@@ -178,8 +217,14 @@ fn added_detail_that_a_level_cannot_show_costs_nothing() {
     b.cut(base, SampleType::Height);
     b.cut(sum, SampleType::Height);
     let graph = b.build();
-    assert_eq!(graph.content_id(sum, key(4, 3, 0, 0)), graph.content_id(base, key(4, 3, 0, 0)));
-    assert_ne!(graph.content_id(sum, key(20, 19, 0, 1 << 18)), graph.content_id(base, key(20, 19, 0, 1 << 18)));
+    assert_eq!(
+        graph.content_id(sum, key(4, 3, 0, 0)),
+        graph.content_id(base, key(4, 3, 0, 0))
+    );
+    assert_ne!(
+        graph.content_id(sum, key(20, 19, 0, 1 << 18)),
+        graph.content_id(base, key(20, 19, 0, 1 << 18))
+    );
 }
 
 #[test]
@@ -188,8 +233,14 @@ fn a_cancelled_job_says_so() {
     let cancel = Cancel::default();
     cancel.cancel();
     let tile = key(2, 1, 3, 0);
-    assert!(matches!(graph.make(end, tile, &none, &cancel), Err(RenderError::Cancelled)));
-    assert!(matches!(graph.evaluate(end, &tile.grid(), &cancel), Err(RenderError::Cancelled)));
+    assert!(matches!(
+        graph.make(end, tile, &none, &cancel),
+        Err(RenderError::Cancelled)
+    ));
+    assert!(matches!(
+        graph.evaluate(end, &tile.grid(), &cancel),
+        Err(RenderError::Cancelled)
+    ));
 }
 
 #[test]
@@ -198,7 +249,13 @@ fn thousands_of_layers_do_not_overflow_the_stack() {
         let mut last = colours;
         for i in 0..5000 {
             let brightness = 1.0 + f64::from(i % 2) * 0.01;
-            last = b.add(Arc::new(Adjust::new(&AdjustParams { brightness, ..AdjustParams::default() })), &[last]);
+            last = b.add(
+                Arc::new(Adjust::new(&AdjustParams {
+                    brightness,
+                    ..AdjustParams::default()
+                })),
+                &[last],
+            );
         }
         last
     });

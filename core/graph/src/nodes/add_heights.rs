@@ -37,7 +37,9 @@ impl ImageNode for AddHeights {
     }
 
     fn identity(&self, _grid: &Grid, inputs: &[Known]) -> Option<usize> {
-        let nothing = inputs[1].as_uniform().is_some_and(|v| v[0] == 0.0 || v[0].is_nan());
+        let nothing = inputs[1]
+            .as_uniform()
+            .is_some_and(|v| v[0] == 0.0 || v[0].is_nan());
         (nothing || inputs[0].is_absent(Bands::Height)).then_some(0)
     }
 
@@ -53,7 +55,11 @@ impl ImageNode for AddHeights {
 /// A detail of nothing leaves every bit of the base, also of −0.
 #[inline]
 fn sum(base: f32, detail: f32) -> f32 {
-    if detail == 0.0 || detail.is_nan() { base } else { base + detail }
+    if detail == 0.0 || detail.is_nan() {
+        base
+    } else {
+        base + detail
+    }
 }
 
 #[cfg(test)]

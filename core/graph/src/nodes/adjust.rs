@@ -92,7 +92,10 @@ impl Adjust {
             map = after(&luma_mix(saturation), &map);
         }
         let gamma = sane(params.gamma, 1.0).clamp(0.01, 100.0);
-        Self { matrix: map.map(|row| row.map(|v| v as f32 + 0.0)), exponent: (1.0 / gamma) as f32 }
+        Self {
+            matrix: map.map(|row| row.map(|v| v as f32 + 0.0)),
+            exponent: (1.0 / gamma) as f32,
+        }
     }
 
     fn is_identity(&self) -> bool {
@@ -110,7 +113,11 @@ impl Adjust {
         if a > 0.0 {
             for (c, v) in out.iter_mut().take(3).enumerate() {
                 let affine = self.channel(c, [r, g, b]);
-                *v = if self.exponent == 1.0 { affine } else { power(affine, self.exponent) };
+                *v = if self.exponent == 1.0 {
+                    affine
+                } else {
+                    power(affine, self.exponent)
+                };
             }
             out[3] = a;
         }
@@ -121,16 +128,24 @@ impl Adjust {
 /// Rows of an affine map of (red, green, blue, 1).
 type Affine = [[f64; 4]; 3];
 
-const IDENTITY: Affine = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+const IDENTITY: Affine = [
+    [1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0],
+];
 
 /// `second` after `first`.
 fn after(second: &[[f64; 3]; 3], first: &Affine) -> Affine {
-    second.map(|row| core::array::from_fn(|c| row[0] * first[0][c] + row[1] * first[1][c] + row[2] * first[2][c]))
+    second.map(|row| {
+        core::array::from_fn(|c| row[0] * first[0][c] + row[1] * first[1][c] + row[2] * first[2][c])
+    })
 }
 
 /// luma + s · (colour − luma).
 fn luma_mix(s: f64) -> [[f64; 3]; 3] {
-    core::array::from_fn(|r| core::array::from_fn(|c| LUMA[c] * (1.0 - s) + if r == c { s } else { 0.0 }))
+    core::array::from_fn(|r| {
+        core::array::from_fn(|c| LUMA[c] * (1.0 - s) + if r == c { s } else { 0.0 })
+    })
 }
 
 /// Rotation about the grey axis within planes of equal luma: L + cos·(I − L) + sin·S, where S turns
@@ -140,7 +155,11 @@ fn hue_rotation(angle_rad: f64) -> [[f64; 3]; 3] {
     let (sin, cos) = libm::sincos(angle_rad);
     let quarter = [
         [-lr, -lg, 1.0 - lb],
-        [(lr * lr + lb * (1.0 - lr)) / lg, lr - lb, -(lr * (1.0 - lb) + lb * lb) / lg],
+        [
+            (lr * lr + lb * (1.0 - lr)) / lg,
+            lr - lb,
+            -(lr * (1.0 - lb) + lb * lb) / lg,
+        ],
         [lr - 1.0, lg, lb],
     ];
     let mix = luma_mix(cos);

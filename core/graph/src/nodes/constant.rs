@@ -15,17 +15,26 @@ pub struct Constant {
 impl Constant {
     /// One height in metres; NaN for none.
     pub fn height(height_m: f32) -> Self {
-        Self { bands: Bands::Height, value: [height_m, 0.0, 0.0, 0.0] }
+        Self {
+            bands: Bands::Height,
+            value: [height_m, 0.0, 0.0, 0.0],
+        }
     }
 
     /// One straight, display-referred colour; where alpha is 0 it is nothing.
     pub fn colour(rgba: [f32; 4]) -> Self {
-        Self { bands: Bands::Colour, value: if rgba[3] > 0.0 { rgba } else { [0.0; 4] } }
+        Self {
+            bands: Bands::Colour,
+            value: if rgba[3] > 0.0 { rgba } else { [0.0; 4] },
+        }
     }
 
     /// One weight, 0 to 1.
     pub fn mask(weight: f32) -> Self {
-        Self { bands: Bands::Mask, value: [weight, 0.0, 0.0, 0.0] }
+        Self {
+            bands: Bands::Mask,
+            value: [weight, 0.0, 0.0, 0.0],
+        }
     }
 }
 
@@ -68,7 +77,9 @@ mod tests {
     #[test]
     fn a_transparent_colour_is_nothing() {
         let node = Constant::colour([0.5, 0.5, 0.5, 0.0]);
-        let grid = relievo_planet::TileKey::new(relievo_planet::LevelKey::new(1, 0), 0, 0).unwrap().grid();
+        let grid = relievo_planet::TileKey::new(relievo_planet::LevelKey::new(1, 0), 0, 0)
+            .unwrap()
+            .grid();
         assert_eq!(node.known(&grid, &[]), Known::Uniform([0.0; 4]));
     }
 }

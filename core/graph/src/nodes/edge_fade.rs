@@ -31,7 +31,11 @@ pub struct EdgeFade {
 impl EdgeFade {
     /// `width_m` of 0, less, or not finite means no fading: 1 inside, 0 outside.
     pub fn new(warp: Arc<Warp>, width_m: f64) -> Self {
-        let width_m = if width_m.is_finite() { width_m.max(0.0) } else { 0.0 };
+        let width_m = if width_m.is_finite() {
+            width_m.max(0.0)
+        } else {
+            0.0
+        };
         let mut id = IdHasher::default();
         id.bytes(&warp.file().fingerprint()).float(width_m);
         if let Some(place) = &warp.file().info().georeference {
@@ -40,7 +44,13 @@ impl EdgeFade {
                 id.float(v);
             }
         }
-        Self { warp, width_m, name: id.finish(), distance: OnceLock::new(), preparing: Mutex::new(()) }
+        Self {
+            warp,
+            width_m,
+            name: id.finish(),
+            distance: OnceLock::new(),
+            preparing: Mutex::new(()),
+        }
     }
 
     fn distance(&self, cancel: &Cancel) -> Result<&EdgeDistance, RenderError> {
@@ -78,12 +88,21 @@ impl ImageNode for EdgeFade {
     fn known(&self, grid: &Grid, _inputs: &[Known]) -> Known {
         // From the outline alone, never from the artefact: ids must not depend on what happened
         // to be prepared already.
-        if self.warp.coverage(grid) == Coverage::Outside { Known::Uniform([0.0; 4]) } else { Known::Nothing }
+        if self.warp.coverage(grid) == Coverage::Outside {
+            Known::Uniform([0.0; 4])
+        } else {
+            Known::Nothing
+        }
     }
 
     fn render(&self, job: &Job, _inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        let weight = self.distance(job.cancel)?.weight(&self.warp, job.grid, self.width_m);
-        *out = weight.map_err(|error| RenderError::Node { node: KIND, reason: error.to_string() })?;
+        let weight = self
+            .distance(job.cancel)?
+            .weight(&self.warp, job.grid, self.width_m);
+        *out = weight.map_err(|error| RenderError::Node {
+            node: KIND,
+            reason: error.to_string(),
+        })?;
         Ok(())
     }
 }

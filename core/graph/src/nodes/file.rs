@@ -52,7 +52,9 @@ impl FileSource {
             Kernel::Bicubic => 2,
         });
         // The finest step stands for the planet that the file was laid on.
-        id.float(scale).float(offset_m).float(warp.finest_step_rad());
+        id.float(scale)
+            .float(offset_m)
+            .float(warp.finest_step_rad());
         if let Some(place) = &warp.file().info().georeference {
             // The user may have said where the file lies.
             id.bytes(place.crs.as_bytes());
@@ -60,7 +62,13 @@ impl FileSource {
                 id.float(v);
             }
         }
-        Self { warp, scale, offset_m, name: id.finish(), coverage: Mutex::default() }
+        Self {
+            warp,
+            scale,
+            offset_m,
+            name: id.finish(),
+            coverage: Mutex::default(),
+        }
     }
 
     /// The file on the map.
@@ -104,11 +112,15 @@ impl FileSource {
             return false;
         }
         // Kernels reach over the outline near it: by up to two samples or four pixels of the file.
-        let reach = libm::ceil(4.0 * self.warp.finest_step_rad() / lattice.step.abs().min_element()) + 2.0;
+        let reach =
+            libm::ceil(4.0 * self.warp.finest_step_rad() / lattice.step.abs().min_element()) + 2.0;
         if reach > 1e6 {
             return false;
         }
-        let around = SampleRect::new(grid.rect.min - I64Vec2::splat(reach as i64), grid.rect.max + reach as i64);
+        let around = SampleRect::new(
+            grid.rect.min - I64Vec2::splat(reach as i64),
+            grid.rect.max + reach as i64,
+        );
         self.coverage(&grid.with_rect(around)) == Coverage::Inside
     }
 }
@@ -133,7 +145,11 @@ impl ImageNode for FileSource {
 
     fn known(&self, grid: &Grid, _inputs: &[Known]) -> Known {
         if self.coverage(grid) == Coverage::Outside {
-            let absent = if self.output() == Bands::Height { f32::NAN } else { 0.0 };
+            let absent = if self.output() == Bands::Height {
+                f32::NAN
+            } else {
+                0.0
+            };
             Known::Uniform([absent, 0.0, 0.0, 0.0])
         } else if self.is_complete(grid) {
             Known::Complete

@@ -19,7 +19,10 @@ impl<'a> Ground<'a> {
             GridCrs::Map => None,
             GridCrs::Projected(name) => {
                 let crs = Crs::parse(name);
-                Some(crs.map_err(|error| RenderError::Node { node, reason: error.to_string() })?)
+                Some(crs.map_err(|error| RenderError::Node {
+                    node,
+                    reason: error.to_string(),
+                })?)
             }
         };
         Ok(Self { lattice, crs })
@@ -33,7 +36,10 @@ impl<'a> Ground<'a> {
             None => Some(MapPoint::new(plane.x, plane.y).normalised()),
             Some(crs) => {
                 let (lon_rad, lat_rad) = crs.to_lonlat(plane.x, plane.y).ok()?;
-                Some(MapPoint::new(lon_rad, core::f64::consts::FRAC_PI_2 - lat_rad))
+                Some(MapPoint::new(
+                    lon_rad,
+                    core::f64::consts::FRAC_PI_2 - lat_rad,
+                ))
             }
         }
     }

@@ -26,7 +26,11 @@ impl Memory {
     /// If the block has another size than the rectangle.
     pub fn new(grid: &Grid, samples: Block) -> Self {
         let size = (samples.width() as i64, samples.height() as i64);
-        assert_eq!(size, (grid.rect.width(), grid.rect.height()), "a sample for each place");
+        assert_eq!(
+            size,
+            (grid.rect.width(), grid.rect.height()),
+            "a sample for each place"
+        );
         let mut id = IdHasher::default();
         add_lattice(&grid.lattice, &mut id);
         for corner in [grid.rect.min, grid.rect.max] {
@@ -36,15 +40,29 @@ impl Memory {
         for v in samples.samples() {
             id.float(f64::from(*v));
         }
-        Self { lattice: Arc::clone(&grid.lattice), rect: grid.rect, samples: Arc::new(samples), name: id.finish() }
+        Self {
+            lattice: Arc::clone(&grid.lattice),
+            rect: grid.rect,
+            samples: Arc::new(samples),
+            name: id.finish(),
+        }
     }
 
     fn absent(&self) -> f32 {
-        if self.samples.bands() == Bands::Height { f32::NAN } else { 0.0 }
+        if self.samples.bands() == Bands::Height {
+            f32::NAN
+        } else {
+            0.0
+        }
     }
 
     /// Places of the held samples along one axis, for indices `range` of the grid's lattice.
-    fn places(&self, axis: usize, lattice: &Lattice, range: core::ops::Range<i64>) -> Vec<Option<usize>> {
+    fn places(
+        &self,
+        axis: usize,
+        lattice: &Lattice,
+        range: core::ops::Range<i64>,
+    ) -> Vec<Option<usize>> {
         let own = &self.lattice;
         let around = own.columns_around.filter(|_| axis == 0);
         let (min, max) = (self.rect.min[axis], self.rect.max[axis]);
@@ -67,7 +85,10 @@ pub(crate) fn add_lattice(lattice: &Lattice, id: &mut IdHasher) {
         GridCrs::Map => id.bytes(b"map"),
         GridCrs::Projected(crs) => id.bytes(b"projected").bytes(crs.as_bytes()),
     };
-    id.float(lattice.origin.x).float(lattice.origin.y).float(lattice.step.x).float(lattice.step.y);
+    id.float(lattice.origin.x)
+        .float(lattice.origin.y)
+        .float(lattice.step.x)
+        .float(lattice.step.y);
     id.int(lattice.columns_around.unwrap_or(-1));
 }
 
@@ -104,7 +125,14 @@ impl ImageNode for Memory {
         }
         let columns = self.places(0, &grid.lattice, grid.rect.min.x..grid.rect.max.x);
         let rows = self.places(1, &grid.lattice, grid.rect.min.y..grid.rect.max.y);
-        if [columns, rows].iter().any(|places| places.iter().all(Option::is_none)) { absent } else { Known::Nothing }
+        if [columns, rows]
+            .iter()
+            .any(|places| places.iter().all(Option::is_none))
+        {
+            absent
+        } else {
+            Known::Nothing
+        }
     }
 
     fn render(&self, job: &Job, _inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
@@ -142,13 +170,27 @@ mod tests {
 
     #[test]
     fn a_finer_lattice_repeats_the_nearest_sample_and_ends_where_samples_end() {
-        let coarse = Grid::new(Arc::new(LevelKey::new(0, 0).lattice()), SampleRect::at(3, 4, 2, 1));
+        let coarse = Grid::new(
+            Arc::new(LevelKey::new(0, 0).lattice()),
+            SampleRect::at(3, 4, 2, 1),
+        );
         let mut samples = Block::new(Bands::Height, 2, 1);
         samples.samples_mut().copy_from_slice(&[7.0, 8.0]);
         let node = Memory::new(&coarse, samples);
-        let fine = Grid::new(Arc::new(LevelKey::new(1, 0).lattice()), SampleRect::at(5, 4, 6, 1));
+        let fine = Grid::new(
+            Arc::new(LevelKey::new(1, 0).lattice()),
+            SampleRect::at(5, 4, 6, 1),
+        );
         let mut out = Block::new(Bands::Height, 6, 1);
-        node.render(&Job { grid: &fine, cancel: &Cancel::default() }, &[], &mut out).unwrap();
+        node.render(
+            &Job {
+                grid: &fine,
+                cancel: &Cancel::default(),
+            },
+            &[],
+            &mut out,
+        )
+        .unwrap();
         assert!(out.samples()[0].is_nan() && out.samples()[5].is_nan());
         assert_eq!(out.samples()[1..5], [7.0, 7.0, 8.0, 8.0]);
     }

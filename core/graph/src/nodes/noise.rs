@@ -80,12 +80,24 @@ impl Noise {
             if wavelength_m < 0.01 || amplitude_m == 0.0 {
                 break;
             }
-            let seed = params.seed.wrapping_add(u64::from(octave)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            octaves.push(Octave { scale: planet.radius_m / wavelength_m, wavelength_m, amplitude_m, seed });
+            let seed = params
+                .seed
+                .wrapping_add(u64::from(octave))
+                .wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            octaves.push(Octave {
+                scale: planet.radius_m / wavelength_m,
+                wavelength_m,
+                amplitude_m,
+                seed,
+            });
             wavelength_m /= params.lacunarity;
             amplitude_m *= params.gain;
         }
-        Self { planet, params, octaves }
+        Self {
+            planet,
+            params,
+            octaves,
+        }
     }
 
     /// Octaves that a grid with samples of this size can show, with their faded amplitudes.
@@ -96,7 +108,10 @@ impl Noise {
             if t > 0.0 {
                 let t = t.min(1.0);
                 let fade = t * t * (3.0 - 2.0 * t);
-                shown.push(Octave { amplitude_m: octave.amplitude_m * fade, ..*octave });
+                shown.push(Octave {
+                    amplitude_m: octave.amplitude_m * fade,
+                    ..*octave
+                });
             }
         }
     }
@@ -107,7 +122,11 @@ impl Noise {
         let mut height_m = 0.0;
         for octave in octaves {
             let n = simplex(unit.map(|v| v * octave.scale), octave.seed);
-            let n = if self.params.ridged { 1.0 - 2.0 * n.abs() } else { n };
+            let n = if self.params.ridged {
+                1.0 - 2.0 * n.abs()
+            } else {
+                n
+            };
             height_m += octave.amplitude_m * n;
         }
         height_m as f32
@@ -115,19 +134,30 @@ impl Noise {
 
     fn render_map(&self, job: &Job, out: &mut Block) -> Result<(), RenderError> {
         let Grid { lattice, rect } = job.grid;
+        // Not brought into range: beyond a pole the sine of the colatitude is negative, which is the
+        // opposite meridian.
         let columns: Vec<(f64, f64)> = (rect.min.x..rect.max.x)
-            .map(|x| libm::sincos(lattice.map_point(I64Vec2::new(x, rect.min.y)).lon_rad))
+            .map(|x| libm::sincos(lattice.centre(I64Vec2::new(x, 0)).x))
             .collect();
         let mut octaves = Vec::new();
-        for (line, y) in out.plane_mut(0).chunks_exact_mut(columns.len().max(1)).zip(rect.min.y..) {
+        for (line, y) in out
+            .plane_mut(0)
+            .chunks_exact_mut(columns.len().max(1))
+            .zip(rect.min.y..)
+        {
             if job.cancel.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            let (sin_colat, cos_colat) = libm::sincos(lattice.map_point(I64Vec2::new(0, y)).colat_rad);
-            let spacing = DVec2::new(lattice.step.x * sin_colat, lattice.step.y).abs().max_element();
+            let (sin_colat, cos_colat) = libm::sincos(lattice.centre(I64Vec2::new(0, y)).y);
+            let spacing = DVec2::new(lattice.step.x * sin_colat, lattice.step.y)
+                .abs()
+                .max_element();
             self.shown(spacing * self.planet.radius_m, &mut octaves);
             for (h, (sin_lon, cos_lon)) in line.iter_mut().zip(&columns) {
-                *h = self.height_m([sin_colat * cos_lon, sin_colat * sin_lon, cos_colat], &octaves);
+                *h = self.height_m(
+                    [sin_colat * cos_lon, sin_colat * sin_lon, cos_colat],
+                    &octaves,
+                );
             }
         }
         Ok(())
@@ -144,7 +174,9 @@ impl Noise {
             }
             for (h, x) in line.iter_mut().zip(rect.min.x..) {
                 let sample = I64Vec2::new(x, y);
-                let place = ground.point(sample.as_dvec2() + 0.5).zip(ground.steps_m(&self.planet, sample));
+                let place = ground
+                    .point(sample.as_dvec2() + 0.5)
+                    .zip(ground.steps_m(&self.planet, sample));
                 *h = place.map_or(f32::NAN, |(point, [column, row])| {
                     self.shown(column.length().max(row.length()), &mut octaves);
                     self.height_m(point.to_unit().to_array(), &octaves)
@@ -170,12 +202,21 @@ impl ImageNode for Noise {
 
     fn identify(&self, grid: &Grid, id: &mut IdHasher) {
         let p = &self.params;
-        id.int(p.seed as i64).int(i64::from(p.octaves)).int(i64::from(p.ridged));
-        for v in [p.amplitude_m, p.wavelength_m, p.lacunarity, p.gain, self.planet.radius_m] {
+        id.int(p.seed as i64)
+            .int(i64::from(p.octaves))
+            .int(i64::from(p.ridged));
+        for v in [
+            p.amplitude_m,
+            p.wavelength_m,
+            p.lacunarity,
+            p.gain,
+            self.planet.radius_m,
+        ] {
             id.float(v);
         }
         if grid.lattice.crs != GridCrs::Map {
-            id.float(self.planet.equatorial_radius_m).float(self.planet.flattening);
+            id.float(self.planet.equatorial_radius_m)
+                .float(self.planet.flattening);
         }
         add_grid(grid, id);
     }
@@ -190,8 +231,15 @@ impl ImageNode for Noise {
         }
         // The shortest samples of any row show most.
         let spacing_m = grid.lattice.step.y.abs() * self.planet.radius_m;
-        let longest = self.octaves.first().map_or(0.0, |octave| octave.wavelength_m);
-        if longest / spacing_m <= 2.0 { nothing } else { Known::Complete }
+        let longest = self
+            .octaves
+            .first()
+            .map_or(0.0, |octave| octave.wavelength_m);
+        if longest / spacing_m <= 2.0 {
+            nothing
+        } else {
+            Known::Complete
+        }
     }
 
     fn render(&self, job: &Job, _inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
@@ -228,7 +276,15 @@ mod tests {
         let mut out = Block::new(Bands::Height, rect.width() as usize, rect.height() as usize);
         let grid = Grid::new(Arc::new(level.lattice()), rect);
         let node = Noise::new(Planet::EARTH, params);
-        node.render(&Job { grid: &grid, cancel: &Cancel::default() }, &[], &mut out).unwrap();
+        node.render(
+            &Job {
+                grid: &grid,
+                cancel: &Cancel::default(),
+            },
+            &[],
+            &mut out,
+        )
+        .unwrap();
         out.samples().to_vec()
     }
 
@@ -240,17 +296,32 @@ mod tests {
         let east = heights(&params(), level, SampleRect::at(size.x - 1, 500, 1, 1))[0];
         assert!((west - east).abs() < 40.0, "{west} {east}");
         let ring = heights(&params(), level, SampleRect::at(0, 0, size.x, 1));
-        let (low, high) = ring.iter().fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-        assert!(high - low < 80.0, "all samples around the pole are near each other: {low} {high}");
+        let (low, high) = ring
+            .iter()
+            .fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        assert!(
+            high - low < 80.0,
+            "all samples around the pole are near each other: {low} {high}"
+        );
     }
 
     #[test]
     fn octaves_too_fine_for_a_level_are_left_out() {
-        let fine = NoiseParams { wavelength_m: 1000.0, ..params() };
+        let fine = NoiseParams {
+            wavelength_m: 1000.0,
+            ..params()
+        };
         let level = LevelKey::new(1, 0);
-        assert!(heights(&fine, level, SampleRect::at(0, 0, 9, 9)).iter().all(|h| *h == 0.0));
+        assert!(
+            heights(&fine, level, SampleRect::at(0, 0, 9, 9))
+                .iter()
+                .all(|h| *h == 0.0)
+        );
         let grid = Grid::new(Arc::new(level.lattice()), SampleRect::at(0, 0, 9, 9));
-        assert_eq!(Noise::new(Planet::EARTH, &fine).known(&grid, &[]), Known::Uniform([0.0; 4]));
+        assert_eq!(
+            Noise::new(Planet::EARTH, &fine).known(&grid, &[]),
+            Known::Uniform([0.0; 4])
+        );
     }
 
     proptest! {

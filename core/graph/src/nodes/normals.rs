@@ -33,7 +33,14 @@ pub struct Normals {
 impl Normals {
     /// `exaggeration` is the factor of heights, finite (else 1); 1 is natural.
     pub fn new(planet: Planet, exaggeration: f64) -> Self {
-        Self { planet, exaggeration: if exaggeration.is_finite() { exaggeration } else { 1.0 } }
+        Self {
+            planet,
+            exaggeration: if exaggeration.is_finite() {
+                exaggeration
+            } else {
+                1.0
+            },
+        }
     }
 }
 
@@ -65,9 +72,18 @@ struct Rows<'a> {
 impl Rows<'_> {
     /// Calls `each` with the differences to the east and to the south.
     #[inline]
-    fn differences(&self, east: &mut [f32], north: &mut [f32], each: impl Fn(f32, f32) -> (f32, f32)) {
+    fn differences(
+        &self,
+        east: &mut [f32],
+        north: &mut [f32],
+        each: impl Fn(f32, f32) -> (f32, f32),
+    ) {
         let width = east.len();
-        let (west, here, right) = (&self.here[..width], &self.here[1..=width], &self.here[2..width + 2]);
+        let (west, here, right) = (
+            &self.here[..width],
+            &self.here[1..=width],
+            &self.here[2..width + 2],
+        );
         let (above, below) = (&self.north[1..=width], &self.south[1..=width]);
         for i in 0..width {
             let across = difference(west[i], here[i], right[i]);
@@ -95,15 +111,23 @@ impl ImageNode for Normals {
     }
 
     fn invalidated(&self, _input: usize, changed: SampleRect) -> SampleRect {
-        if changed.is_empty() { changed } else { changed.grow(1) }
+        if changed.is_empty() {
+            changed
+        } else {
+            changed.grow(1)
+        }
     }
 
     fn identify(&self, grid: &Grid, id: &mut IdHasher) {
-        id.float(self.planet.equatorial_radius_m).float(self.planet.flattening).float(self.exaggeration);
+        id.float(self.planet.equatorial_radius_m)
+            .float(self.planet.flattening)
+            .float(self.exaggeration);
         id.int(grid.rect.min.y).int(grid.rect.max.y);
         if grid.lattice.crs == GridCrs::Map {
             // Around the planet all columns are alike.
-            id.float(grid.lattice.origin.y).float(grid.lattice.step.x).float(grid.lattice.step.y);
+            id.float(grid.lattice.origin.y)
+                .float(grid.lattice.step.x)
+                .float(grid.lattice.step.y);
         } else {
             id.int(grid.rect.min.x).int(grid.rect.max.x);
             add_lattice(&grid.lattice, id);
@@ -112,7 +136,11 @@ impl ImageNode for Normals {
 
     fn known(&self, _grid: &Grid, inputs: &[Known]) -> Known {
         // Also where there is no height at all.
-        if matches!(inputs[0], Known::Uniform(_)) { Known::Uniform([0.0; 4]) } else { Known::Nothing }
+        if matches!(inputs[0], Known::Uniform(_)) {
+            Known::Uniform([0.0; 4])
+        } else {
+            Known::Nothing
+        }
     }
 
     fn render(&self, job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
@@ -121,30 +149,49 @@ impl ImageNode for Normals {
         let width = out.width();
         let (heights, stride) = (inputs[0].plane(0), inputs[0].width());
         let [east, north] = out.planes_mut();
-        let lines = east.chunks_exact_mut(width.max(1)).zip(north.chunks_exact_mut(width.max(1)));
+        let lines = east
+            .chunks_exact_mut(width.max(1))
+            .zip(north.chunks_exact_mut(width.max(1)));
         for (row, (east, north)) in lines.enumerate() {
             if job.cancel.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
             let line = |k: usize| &heights[(row + k) * stride..(row + k + 1) * stride];
-            let rows = Rows { north: line(0), here: line(1), south: line(2) };
+            let rows = Rows {
+                north: line(0),
+                here: line(1),
+                south: line(2),
+            };
             let y = rect.min.y + row as i64;
             if lattice.crs == GridCrs::Map {
                 let colat_rad = lattice.map_point(I64Vec2::new(0, y)).colat_rad;
                 let step_m = self.planet.metres_per_radian(colat_rad) * lattice.step;
                 let per_x = (self.exaggeration / step_m.x) as f32;
                 let per_y = (-self.exaggeration / step_m.y) as f32;
-                rows.differences(east, north, |across, down| normal(across * per_x, down * per_y));
+                rows.differences(east, north, |across, down| {
+                    normal(across * per_x, down * per_y)
+                });
             } else {
                 rows.differences(east, north, |across, down| (across, down));
                 for (i, (east, north)) in east.iter_mut().zip(north).enumerate() {
-                    let steps = ground.steps_m(&self.planet, I64Vec2::new(rect.min.x + i as i64, y));
+                    let steps =
+                        ground.steps_m(&self.planet, I64Vec2::new(rect.min.x + i as i64, y));
                     (*east, *north) = steps.map_or((0.0, 0.0), |[column, down]| {
                         // Slopes g with g · column step = one difference, g · row step = the other.
-                        let (a, b) = (f64::from(*east) * self.exaggeration, f64::from(*north) * self.exaggeration);
+                        let (a, b) = (
+                            f64::from(*east) * self.exaggeration,
+                            f64::from(*north) * self.exaggeration,
+                        );
                         let area = column.perp_dot(down);
-                        let (zx, zy) = ((a * down.y - b * column.y) / area, (b * column.x - a * down.x) / area);
-                        if zx.is_finite() && zy.is_finite() { normal(zx as f32, zy as f32) } else { (0.0, 0.0) }
+                        let (zx, zy) = (
+                            (a * down.y - b * column.y) / area,
+                            (b * column.x - a * down.x) / area,
+                        );
+                        if zx.is_finite() && zy.is_finite() {
+                            normal(zx as f32, zy as f32)
+                        } else {
+                            (0.0, 0.0)
+                        }
                     });
                 }
             }
@@ -166,14 +213,29 @@ mod tests {
     fn normals(lattice: Lattice, rect: SampleRect, heights: impl Fn(i64, i64) -> f32) -> Block {
         let node = Normals::new(Planet::EARTH, 1.0);
         let around = node.required(0, rect);
-        let mut input = Block::new(Bands::Height, around.width() as usize, around.height() as usize);
+        let mut input = Block::new(
+            Bands::Height,
+            around.width() as usize,
+            around.height() as usize,
+        );
         let width = input.width();
         for (i, h) in input.samples_mut().iter_mut().enumerate() {
-            *h = heights(around.min.x + (i % width) as i64, around.min.y + (i / width) as i64);
+            *h = heights(
+                around.min.x + (i % width) as i64,
+                around.min.y + (i / width) as i64,
+            );
         }
         let mut out = Block::new(Bands::Normal, rect.width() as usize, rect.height() as usize);
         let grid = Grid::new(Arc::new(lattice), rect);
-        node.render(&Job { grid: &grid, cancel: &Cancel::default() }, &[&input], &mut out).unwrap();
+        node.render(
+            &Job {
+                grid: &grid,
+                cancel: &Cancel::default(),
+            },
+            &[&input],
+            &mut out,
+        )
+        .unwrap();
         out
     }
 
@@ -183,7 +245,9 @@ mod tests {
         let y = 60_000;
         let colat = lattice.map_point(I64Vec2::new(0, y)).colat_rad;
         let dx = Planet::EARTH.metres_per_radian(colat).x * lattice.step.x;
-        let out = normals(lattice, SampleRect::at(0, y, 4, 1), |x, _| (x as f64 * dx * 0.75) as f32);
+        let out = normals(lattice, SampleRect::at(0, y, 4, 1), |x, _| {
+            (x as f64 * dx * 0.75) as f32
+        });
         for (e, n) in out.plane(0).iter().zip(out.plane(1)) {
             assert!((e + 0.6).abs() < 1e-3 && n.abs() < 1e-6, "{e} {n}");
         }
@@ -191,7 +255,11 @@ mod tests {
 
     #[test]
     fn a_plane_rising_south_leans_north() {
-        let out = normals(LevelKey::new(10, 9).lattice(), SampleRect::at(0, 60_000, 2, 2), |_, y| y as f32 * 100.0);
+        let out = normals(
+            LevelKey::new(10, 9).lattice(),
+            SampleRect::at(0, 60_000, 2, 2),
+            |_, y| y as f32 * 100.0,
+        );
         assert!(out.plane(1).iter().all(|n| *n > 0.5) && out.plane(0).iter().all(|e| *e == 0.0));
     }
 
@@ -201,15 +269,27 @@ mod tests {
         assert_eq!(difference(f32::NAN, 2.0, 5.0), 3.0);
         assert_eq!(difference(1.0, f32::NAN, 5.0), 2.0);
         assert_eq!(difference(1.0, f32::NAN, f32::NAN), 0.0);
-        let out = normals(LevelKey::new(1, 0).lattice(), SampleRect::at(5, 5, 3, 3), |_, _| f32::NAN);
+        let out = normals(
+            LevelKey::new(1, 0).lattice(),
+            SampleRect::at(5, 5, 3, 3),
+            |_, _| f32::NAN,
+        );
         assert!(out.samples().iter().all(|v| *v == 0.0));
     }
 
     #[test]
     fn infinite_heights_give_no_nan() {
         let spike = |x: i64, _| if x == 6 { f32::INFINITY } else { -f32::MAX };
-        let out = normals(LevelKey::new(1, 0).lattice(), SampleRect::at(4, 5, 5, 3), spike);
-        assert!(out.samples().iter().all(|v| !v.is_nan()), "{:?}", out.samples());
+        let out = normals(
+            LevelKey::new(1, 0).lattice(),
+            SampleRect::at(4, 5, 5, 3),
+            spike,
+        );
+        assert!(
+            out.samples().iter().all(|v| !v.is_nan()),
+            "{:?}",
+            out.samples()
+        );
     }
 
     #[test]
@@ -220,7 +300,9 @@ mod tests {
             step: DVec2::new(30.0, -30.0),
             columns_around: None,
         };
-        let out = normals(lattice, SampleRect::at(0, 0, 3, 3), |x, y| (x as f32 - y as f32) * 15.0);
+        let out = normals(lattice, SampleRect::at(0, 0, 3, 3), |x, y| {
+            (x as f32 - y as f32) * 15.0
+        });
         // On the central meridian: zx = ½, zy = ½, so both components are −½ / √1.5.
         for v in out.samples() {
             assert!((v + 0.408_25).abs() < 1e-3, "{v}");

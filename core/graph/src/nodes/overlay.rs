@@ -76,11 +76,19 @@ pub struct Overlay {
 impl Overlay {
     /// `opacity` is clamped to 0..=1, NaN counts as 0; `masked` says whether there is a third input.
     pub fn new(mode: BlendMode, opacity: f32, masked: bool) -> Self {
-        Self { mode, opacity: clamped(opacity), masked }
+        Self {
+            mode,
+            opacity: clamped(opacity),
+            masked,
+        }
     }
 
     fn mask_known(&self, inputs: &[Known]) -> Known {
-        if self.masked { inputs[2] } else { Known::Complete }
+        if self.masked {
+            inputs[2]
+        } else {
+            Known::Complete
+        }
     }
 
     #[inline]
@@ -133,23 +141,36 @@ impl ImageNode for Overlay {
     }
 
     fn identify(&self, _grid: &Grid, id: &mut IdHasher) {
-        id.int(self.mode.tag()).float(f64::from(self.opacity)).int(i64::from(self.masked));
+        id.int(self.mode.tag())
+            .float(f64::from(self.opacity))
+            .int(i64::from(self.masked));
     }
 
     fn known(&self, _grid: &Grid, inputs: &[Known]) -> Known {
-        let mask = if self.masked { inputs[2].as_uniform().map(|m| m[0]) } else { Some(1.0) };
-        if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) = (inputs[0], inputs[1], mask) {
+        let mask = if self.masked {
+            inputs[2].as_uniform().map(|m| m[0])
+        } else {
+            Some(1.0)
+        };
+        if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) =
+            (inputs[0], inputs[1], mask)
+        {
             return Known::Uniform(self.composite(base, top, self.opacity * mask));
         }
         let covered = self.opacity == 1.0
             && inputs[1].is_complete(Bands::Colour)
             && self.mask_known(inputs).is_complete(Bands::Mask);
-        if covered || inputs[0].is_complete(Bands::Colour) { Known::Complete } else { Known::Nothing }
+        if covered || inputs[0].is_complete(Bands::Colour) {
+            Known::Complete
+        } else {
+            Known::Nothing
+        }
     }
 
     fn identity(&self, _grid: &Grid, inputs: &[Known]) -> Option<usize> {
         let mask = self.mask_known(inputs);
-        if self.opacity == 0.0 || inputs[1].is_absent(Bands::Colour) || mask.is_absent(Bands::Mask) {
+        if self.opacity == 0.0 || inputs[1].is_absent(Bands::Colour) || mask.is_absent(Bands::Mask)
+        {
             return Some(0);
         }
         let unweighted = self.opacity == 1.0 && mask.is_complete(Bands::Mask);
@@ -160,7 +181,8 @@ impl ImageNode for Overlay {
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
         let (base, top) = (inputs[0], inputs[1]);
         let mask = self.masked.then(|| inputs[2].plane(0));
-        let [bp, tp]: [[&[f32]; 4]; 2] = [base, top].map(|block| core::array::from_fn(|plane| block.plane(plane)));
+        let [bp, tp]: [[&[f32]; 4]; 2] =
+            [base, top].map(|block| core::array::from_fn(|plane| block.plane(plane)));
         let [r, g, b, a] = out.planes_mut();
         for i in 0..a.len() {
             let weight = mask.map_or(self.opacity, |m| self.opacity * m[i]);
@@ -176,11 +198,19 @@ mod tests {
 
     use super::*;
 
-    const MODES: [BlendMode; 5] =
-        [BlendMode::Normal, BlendMode::Multiply, BlendMode::Add, BlendMode::Screen, BlendMode::Overlay];
+    const MODES: [BlendMode; 5] = [
+        BlendMode::Normal,
+        BlendMode::Multiply,
+        BlendMode::Add,
+        BlendMode::Screen,
+        BlendMode::Overlay,
+    ];
 
     fn colours() -> impl Strategy<Value = [f32; 4]> {
-        (prop::array::uniform3(0.0..=1.0_f32), prop_oneof![Just(0.0_f32), Just(1.0), 0.0..1.0_f32])
+        (
+            prop::array::uniform3(0.0..=1.0_f32),
+            prop_oneof![Just(0.0_f32), Just(1.0), 0.0..1.0_f32],
+        )
             .prop_map(|([r, g, b], a)| if a > 0.0 { [r, g, b, a] } else { [0.0; 4] })
     }
 

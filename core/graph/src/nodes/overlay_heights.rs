@@ -20,20 +20,35 @@ pub struct OverlayHeights {
 impl OverlayHeights {
     /// `opacity` is clamped to 0..=1, NaN counts as 0; `masked` says whether there is a third input.
     pub fn new(opacity: f32, masked: bool) -> Self {
-        Self { opacity: clamped(opacity), masked }
+        Self {
+            opacity: clamped(opacity),
+            masked,
+        }
     }
 
     fn mask_known(&self, inputs: &[Known]) -> Known {
-        if self.masked { inputs[2] } else { Known::Complete }
+        if self.masked {
+            inputs[2]
+        } else {
+            Known::Complete
+        }
     }
 }
 
 #[inline]
 fn mix(base: f32, top: f32, weight: f32) -> f32 {
     let between = base + weight * (top - base);
-    let covered = if weight >= 1.0 || base.is_nan() { top } else { between };
+    let covered = if weight >= 1.0 || base.is_nan() {
+        top
+    } else {
+        between
+    };
     // A weight of NaN is no weight.
-    if weight > 0.0 && !top.is_nan() { covered } else { base }
+    if weight > 0.0 && !top.is_nan() {
+        covered
+    } else {
+        base
+    }
 }
 
 impl ImageNode for OverlayHeights {
@@ -50,23 +65,35 @@ impl ImageNode for OverlayHeights {
     }
 
     fn identify(&self, _grid: &Grid, id: &mut IdHasher) {
-        id.float(f64::from(self.opacity)).int(i64::from(self.masked));
+        id.float(f64::from(self.opacity))
+            .int(i64::from(self.masked));
     }
 
     fn known(&self, _grid: &Grid, inputs: &[Known]) -> Known {
-        let mask = if self.masked { inputs[2].as_uniform().map(|m| m[0]) } else { Some(1.0) };
-        if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) = (inputs[0], inputs[1], mask) {
+        let mask = if self.masked {
+            inputs[2].as_uniform().map(|m| m[0])
+        } else {
+            Some(1.0)
+        };
+        if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) =
+            (inputs[0], inputs[1], mask)
+        {
             return Known::Uniform([mix(base[0], top[0], self.opacity * mask), 0.0, 0.0, 0.0]);
         }
         let covered = self.opacity == 1.0
             && inputs[1].is_complete(Bands::Height)
             && self.mask_known(inputs).is_complete(Bands::Mask);
-        if covered || inputs[0].is_complete(Bands::Height) { Known::Complete } else { Known::Nothing }
+        if covered || inputs[0].is_complete(Bands::Height) {
+            Known::Complete
+        } else {
+            Known::Nothing
+        }
     }
 
     fn identity(&self, _grid: &Grid, inputs: &[Known]) -> Option<usize> {
         let mask = self.mask_known(inputs);
-        if self.opacity == 0.0 || inputs[1].is_absent(Bands::Height) || mask.is_absent(Bands::Mask) {
+        if self.opacity == 0.0 || inputs[1].is_absent(Bands::Height) || mask.is_absent(Bands::Mask)
+        {
             return Some(0);
         }
         let unweighted = self.opacity == 1.0 && mask.is_complete(Bands::Mask);

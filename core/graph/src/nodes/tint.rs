@@ -30,7 +30,9 @@ pub enum TintError {
         before_m: f32,
     },
     /// A colour is not one.
-    #[error("colours of a tint have finite channels and alpha 0 to 1, the one at {height_m} m has not")]
+    #[error(
+        "colours of a tint have finite channels and alpha 0 to 1, the one at {height_m} m has not"
+    )]
     Colour {
         /// The stop's height.
         height_m: f32,
@@ -59,7 +61,10 @@ impl Tint {
     pub fn new(stops: &[Stop], smooth: bool) -> Result<Self, TintError> {
         let first = stops.first().ok_or(TintError::Empty)?;
         if !first.height_m.is_finite() {
-            return Err(TintError::Order { height_m: first.height_m, before_m: f32::NEG_INFINITY });
+            return Err(TintError::Order {
+                height_m: first.height_m,
+                before_m: f32::NEG_INFINITY,
+            });
         }
         for pair in stops.windows(2) {
             let (height_m, before_m) = (pair[1].height_m, pair[0].height_m);
@@ -70,7 +75,9 @@ impl Tint {
         let mut stops = stops.to_vec();
         for stop in &mut stops {
             if !stop.rgba.iter().all(|v| v.is_finite()) || !(0.0..=1.0).contains(&stop.rgba[3]) {
-                return Err(TintError::Colour { height_m: stop.height_m });
+                return Err(TintError::Colour {
+                    height_m: stop.height_m,
+                });
             }
             if stop.rgba[3] == 0.0 {
                 stop.rgba = [0.0; 4];
@@ -84,7 +91,11 @@ impl Tint {
                 [r, g, b, a]
             })
             .collect();
-        Ok(Self { stops, linear, smooth })
+        Ok(Self {
+            stops,
+            linear,
+            smooth,
+        })
     }
 
     #[inline]
@@ -93,7 +104,9 @@ impl Tint {
             return [0.0; 4];
         }
         let above = self.stops.partition_point(|stop| stop.height_m <= height_m);
-        let Some(below) = above.checked_sub(1) else { return self.stops[0].rgba };
+        let Some(below) = above.checked_sub(1) else {
+            return self.stops[0].rgba;
+        };
         let stop = self.stops[below];
         if !self.smooth || above == self.stops.len() || height_m == stop.height_m {
             return stop.rgba;
@@ -161,8 +174,10 @@ mod tests {
     use super::*;
 
     fn stops() -> [Stop; 3] {
-        [(0.0, 0.2), (100.0, 0.6), (300.0, 1.0)]
-            .map(|(height_m, v)| Stop { height_m, rgba: [v, 1.0 - v, 0.5, 1.0] })
+        [(0.0, 0.2), (100.0, 0.6), (300.0, 1.0)].map(|(height_m, v)| Stop {
+            height_m,
+            rgba: [v, 1.0 - v, 0.5, 1.0],
+        })
     }
 
     #[test]
@@ -178,7 +193,10 @@ mod tests {
 
     #[test]
     fn half_way_between_black_and_white_is_the_middle_of_linear_light() {
-        let ends = [(0.0, 0.0), (1.0, 1.0)].map(|(height_m, v)| Stop { height_m, rgba: [v, v, v, 1.0] });
+        let ends = [(0.0, 0.0), (1.0, 1.0)].map(|(height_m, v)| Stop {
+            height_m,
+            rgba: [v, v, v, 1.0],
+        });
         let middle = Tint::new(&ends, true).unwrap().colour(0.5);
         assert_eq!(colour::to_u8(middle[0]), 188);
     }
@@ -195,9 +213,21 @@ mod tests {
         assert_eq!(Tint::new(&[], true).unwrap_err(), TintError::Empty);
         let mut twice = stops();
         twice[1].height_m = 0.0;
-        assert_eq!(Tint::new(&twice, true).unwrap_err(), TintError::Order { height_m: 0.0, before_m: 0.0 });
-        twice[1] = Stop { height_m: 1.0, rgba: [0.0, 0.0, 0.0, 2.0] };
-        assert_eq!(Tint::new(&twice, true).unwrap_err(), TintError::Colour { height_m: 1.0 });
+        assert_eq!(
+            Tint::new(&twice, true).unwrap_err(),
+            TintError::Order {
+                height_m: 0.0,
+                before_m: 0.0
+            }
+        );
+        twice[1] = Stop {
+            height_m: 1.0,
+            rgba: [0.0, 0.0, 0.0, 2.0],
+        };
+        assert_eq!(
+            Tint::new(&twice, true).unwrap_err(),
+            TintError::Colour { height_m: 1.0 }
+        );
     }
 
     proptest! {

@@ -8,7 +8,11 @@
 pub(super) fn power(x: f32, exponent: f32) -> f32 {
     let magnitude = x.abs();
     let raised = exp2(log2(magnitude) * exponent);
-    let result = if magnitude >= f32::MIN_POSITIVE { raised } else { 0.0 };
+    let result = if magnitude >= f32::MIN_POSITIVE {
+        raised
+    } else {
+        0.0
+    };
     f32::from_bits(result.to_bits() | (x.to_bits() & 0x8000_0000))
 }
 
@@ -25,7 +29,8 @@ fn log2(x: f32) -> f32 {
     let s = (m - 1.0) / (m + 1.0);
     let q = s * s;
     // 2 / ln 2 times 1, 1/3, 1/5, 1/7, 1/9; |s| ≤ 0.172, so the next term is below 6 · 10⁻⁹ of all.
-    let series = 2.885_39 + q * (0.961_796_7 + q * (0.577_078 + q * (0.412_198_6 + q * 0.320_598_9)));
+    let series =
+        2.885_39 + q * (0.961_796_7 + q * (0.577_078 + q * (0.412_198_6 + q * 0.320_598_9)));
     e + s * series
 }
 
@@ -46,7 +51,8 @@ fn exp2(y: f32) -> f32 {
         + f * (0.693_147_2
             + f * (0.240_226_5
                 + f * (0.055_504_11
-                    + f * (0.009_618_129 + f * (0.001_333_355_8 + f * (0.000_154_035_3 + f * 0.000_015_252_73))))));
+                    + f * (0.009_618_129
+                        + f * (0.001_333_355_8 + f * (0.000_154_035_3 + f * 0.000_015_252_73))))));
     f32::from_bits((series.to_bits() as i32).wrapping_add(n << 23) as u32)
 }
 
@@ -77,7 +83,14 @@ mod tests {
         for exponent in [0.01, 0.45, 1.0, 2.2, 100.0] {
             assert_eq!(power(0.0, exponent), 0.0);
             assert_eq!(power(1.0, exponent), 1.0);
-            for odd in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN_POSITIVE, 1e-40] {
+            for odd in [
+                f32::NAN,
+                f32::INFINITY,
+                f32::NEG_INFINITY,
+                f32::MAX,
+                f32::MIN_POSITIVE,
+                1e-40,
+            ] {
                 let _unspecified = power(odd, exponent);
             }
         }

@@ -19,42 +19,110 @@ fn close(a: [f32; 3], b: [f32; 3]) -> bool {
 #[test]
 fn defaults_and_whole_turns_of_hue_are_the_identity() {
     assert!(Adjust::new(&AdjustParams::default()).is_identity());
-    assert!(Adjust::new(&AdjustParams { hue_deg: -720.0, ..AdjustParams::default() }).is_identity());
-    assert!(!Adjust::new(&AdjustParams { gamma: 1.01, ..AdjustParams::default() }).is_identity());
+    assert!(
+        Adjust::new(&AdjustParams {
+            hue_deg: -720.0,
+            ..AdjustParams::default()
+        })
+        .is_identity()
+    );
+    assert!(
+        !Adjust::new(&AdjustParams {
+            gamma: 1.01,
+            ..AdjustParams::default()
+        })
+        .is_identity()
+    );
 }
 
 #[test]
 fn each_step_does_what_its_name_says() {
     let grey = [0.25; 3];
-    assert_eq!(adjusted(AdjustParams { brightness: 2.0, ..AdjustParams::default() }, grey), [0.5; 3]);
-    assert_eq!(adjusted(AdjustParams { contrast: 2.0, ..AdjustParams::default() }, grey), [0.0; 3]);
-    assert!(close(adjusted(AdjustParams { gamma: 2.0, ..AdjustParams::default() }, grey), [0.5; 3]));
-    let offset = AdjustParams { gain: [2.0, 1.0, 0.0], offset: [0.0, 0.5, 1.0], ..AdjustParams::default() };
+    assert_eq!(
+        adjusted(
+            AdjustParams {
+                brightness: 2.0,
+                ..AdjustParams::default()
+            },
+            grey
+        ),
+        [0.5; 3]
+    );
+    assert_eq!(
+        adjusted(
+            AdjustParams {
+                contrast: 2.0,
+                ..AdjustParams::default()
+            },
+            grey
+        ),
+        [0.0; 3]
+    );
+    assert!(close(
+        adjusted(
+            AdjustParams {
+                gamma: 2.0,
+                ..AdjustParams::default()
+            },
+            grey
+        ),
+        [0.5; 3]
+    ));
+    let offset = AdjustParams {
+        gain: [2.0, 1.0, 0.0],
+        offset: [0.0, 0.5, 1.0],
+        ..AdjustParams::default()
+    };
     assert_eq!(adjusted(offset, grey), [0.5, 0.75, 1.0]);
     let grey_luma = luma([1.0, 0.5, 0.0]) as f32;
-    let faded = adjusted(AdjustParams { saturation: 0.0, ..AdjustParams::default() }, [1.0, 0.5, 0.0]);
+    let faded = adjusted(
+        AdjustParams {
+            saturation: 0.0,
+            ..AdjustParams::default()
+        },
+        [1.0, 0.5, 0.0],
+    );
     assert!(close(faded, [grey_luma; 3]));
 }
 
 #[test]
 fn gain_comes_before_contrast_and_gamma_comes_last() {
-    let params = AdjustParams { gain: [2.0; 3], contrast: 0.5, gamma: 0.5, ..AdjustParams::default() };
+    let params = AdjustParams {
+        gain: [2.0; 3],
+        contrast: 0.5,
+        gamma: 0.5,
+        ..AdjustParams::default()
+    };
     // 0.25 → 0.5 → 0.5 → 0.25
     assert!(close(adjusted(params, [0.25; 3]), [0.25; 3]));
 }
 
 #[test]
 fn transparency_stays_nothing_whatever_is_added() {
-    let node = Adjust::new(&AdjustParams { offset: [0.5; 3], ..AdjustParams::default() });
+    let node = Adjust::new(&AdjustParams {
+        offset: [0.5; 3],
+        ..AdjustParams::default()
+    });
     assert_eq!(node.colour([0.0; 4]), [0.0; 4]);
 }
 
 #[test]
 fn senseless_numbers_count_as_defaults() {
-    let params = AdjustParams { brightness: f64::NAN, gamma: f64::INFINITY, ..AdjustParams::default() };
+    let params = AdjustParams {
+        brightness: f64::NAN,
+        gamma: f64::INFINITY,
+        ..AdjustParams::default()
+    };
     assert!(Adjust::new(&params).is_identity());
-    let zero = Adjust::new(&AdjustParams { gamma: 0.0, ..AdjustParams::default() });
-    assert!(zero.colour([0.5, 0.5, 0.5, 1.0]).iter().all(|v| v.is_finite()));
+    let zero = Adjust::new(&AdjustParams {
+        gamma: 0.0,
+        ..AdjustParams::default()
+    });
+    assert!(
+        zero.colour([0.5, 0.5, 0.5, 1.0])
+            .iter()
+            .all(|v| v.is_finite())
+    );
 }
 
 proptest! {

@@ -34,16 +34,28 @@ pub(super) fn simplex([x, y, z]: [f64; 3], seed: u64) -> f64 {
     let skew = (x + y + z) / 3.0;
     let [i, j, k] = [x + skew, y + skew, z + skew].map(floor);
     let unskew = (i + j + k) as f64 / 6.0;
-    let [x0, y0, z0] = [x - (i as f64 - unskew), y - (j as f64 - unskew), z - (k as f64 - unskew)];
+    let [x0, y0, z0] = [
+        x - (i as f64 - unskew),
+        y - (j as f64 - unskew),
+        z - (k as f64 - unskew),
+    ];
     // The order of the coordinates tells which of the cube's six simplices it is.
     let (xy, xz, yz) = (x0 >= y0, x0 >= z0, y0 >= z0);
-    let rank = [i64::from(xy) + i64::from(xz), i64::from(!xy) + i64::from(yz), i64::from(!xz) + i64::from(!yz)];
+    let rank = [
+        i64::from(xy) + i64::from(xz),
+        i64::from(!xy) + i64::from(yz),
+        i64::from(!xz) + i64::from(!yz),
+    ];
     let mut sum = 0.0;
     for corner in 0..4 {
         // Corner c is reached by stepping along the c largest coordinates.
         let [di, dj, dk] = rank.map(|r| i64::from(r >= 3 - corner));
         let back = corner as f64 / 6.0;
-        let d = [x0 - di as f64 + back, y0 - dj as f64 + back, z0 - dk as f64 + back];
+        let d = [
+            x0 - di as f64 + back,
+            y0 - dj as f64 + back,
+            z0 - dk as f64 + back,
+        ];
         let falloff = 0.5 - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         if falloff > 0.0 {
             let g = GRADIENTS[direction(i + di, j + dj, k + dk, seed)];
@@ -96,7 +108,14 @@ mod tests {
         let n = 200_000;
         let (mut sum, mut largest) = (0.0, 0.0_f64);
         for i in 0..n {
-            let v = simplex([f64::from(i) * 0.371, f64::from(i) * 0.733, f64::from(i) * 0.219], 7);
+            let v = simplex(
+                [
+                    f64::from(i) * 0.371,
+                    f64::from(i) * 0.733,
+                    f64::from(i) * 0.219,
+                ],
+                7,
+            );
             sum += v;
             largest = largest.max(v.abs());
         }

@@ -1,0 +1,155 @@
+//! Raster files as nodes: what is known of them, their holes, and their fading edges.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use relievo_graph::nodes::{Constant, EdgeFade, FileSource, OverlayHeights};
+use relievo_graph::{Graph, GraphBuilder, ImageNode, Known, NodeIndex};
+use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
+use relievo_raster::file::{Georeference, OverviewInfo, ReadError};
+use relievo_raster::kernel::Kernel;
+use relievo_raster::warp::Warp;
+use relievo_raster::{Bands, Block, Cancel, PixelRect, RasterFile, RasterInfo, SampleType};
+
+const SIDE: u32 = 64;
+
+/// 64 × 64 heights of 10 m, 8 by 8 degrees around (4° E, 4° N).
+struct Flat(RasterInfo);
+
+impl Flat {
+    fn warp() -> Arc<Warp> {
+        let info = RasterInfo {
+            path: PathBuf::from("flat"),
+            format: "memory",
+            overviews: vec![OverviewInfo {
+                width: SIDE,
+                height: SIDE,
+            }],
+            bands: Bands::Height,
+            band_count: 1,
+            sample_type: "float32".into(),
+            compression: "none".into(),
+            deep_colour: false,
+            nodata: None,
+            georeference: Some(Georeference {
+                crs: "EPSG:4326".into(),
+                plane_from_pixel: [0.0, 0.125, 0.0, 8.0, 0.0, -0.125],
+            }),
+        };
+        Arc::new(Warp::new(Arc::new(Self(info)), Planet::EARTH, Kernel::Bilinear).unwrap())
+    }
+}
+
+impl RasterFile for Flat {
+    fn info(&self) -> &RasterInfo {
+        &self.0
+    }
+
+    fn fingerprint(&self) -> [u8; 32] {
+        [7; 32]
+    }
+
+    fn read(
+        &self,
+        _overview: usize,
+        rect: PixelRect,
+        out: &mut Block,
+        _cancel: &Cancel,
+    ) -> Result<(), ReadError> {
+        out.reshape(Bands::Height, rect.width as usize, rect.height as usize);
+        out.samples_mut().fill(10.0);
+        Ok(())
+    }
+}
+
+/// The file over a ground of 2 m, faded over `width_m`.
+fn faded(width_m: f64) -> (Graph, NodeIndex) {
+    let warp = Flat::warp();
+    let mut b = GraphBuilder::default();
+    let ground = b.add(Arc::new(Constant::height(2.0)), &[]);
+    let file = b.add(
+        Arc::new(FileSource::new(
+            Arc::clone(&warp),
+            Kernel::Bilinear,
+            1.0,
+            0.0,
+        )),
+        &[],
+    );
+    let fade = b.add(Arc::new(EdgeFade::new(warp, width_m)), &[]);
+    let over = b.add(
+        Arc::new(OverlayHeights::new(1.0, true)),
+        &[ground, file, fade],
+    );
+    b.cut(over, SampleType::Height);
+    (b.build(), over)
+}
+
+fn grid_at(lon_deg: f64, lat_deg: f64) -> Grid {
+    let level = LevelKey::new(5, 4);
+    let sample = level.sample_from_map(relievo_planet::MapPoint::from_degrees(lon_deg, lat_deg));
+    Grid::new(
+        Arc::new(level.lattice()),
+        SampleRect::at(sample.x as i64, sample.y as i64, 1, 1),
+    )
+}
+
+#[test]
+fn heights_are_scaled_and_there_are_none_beyond_the_file() {
+    let node = FileSource::new(Flat::warp(), Kernel::Bilinear, 2.0, 1.0);
+    assert!(
+        node.known(&grid_at(-60.0, 0.0), &[])
+            .is_absent(Bands::Height)
+    );
+    assert_eq!(
+        node.known(&grid_at(4.0, 4.0), &[]),
+        Known::Nothing,
+        "it may have holes"
+    );
+    let mut b = GraphBuilder::default();
+    let file = b.add(Arc::new(node), &[]);
+    let graph = b.build();
+    let height_m = |grid| {
+        graph
+            .evaluate(file, &grid, &Cancel::default())
+            .unwrap()
+            .samples()[0]
+    };
+    assert_eq!(height_m(grid_at(4.0, 4.0)), 21.0);
+    assert!(height_m(grid_at(-60.0, 0.0)).is_nan());
+}
+
+#[test]
+fn a_file_fades_into_the_ground_towards_its_edge() {
+    let (graph, node) = faded(200_000.0);
+    let height_m = |lon| {
+        graph
+            .evaluate(node, &grid_at(lon, 4.0), &Cancel::default())
+            .unwrap()
+            .samples()[0]
+    };
+    assert_eq!(height_m(4.0), 10.0);
+    assert_eq!(height_m(-3.0), 2.0);
+    let near = height_m(0.9);
+    assert!(near > 3.0 && near < 9.0, "{near}");
+}
+
+#[test]
+fn tiles_beyond_a_file_are_named_as_if_it_were_not_there() {
+    let far = TileKey::new(LevelKey::new(4, 3), 1, 1).unwrap();
+    let (graph, node) = faded(1000.0);
+    let mut b = GraphBuilder::default();
+    let ground = b.add(Arc::new(Constant::height(2.0)), &[]);
+    b.cut(ground, SampleType::Height);
+    assert_eq!(
+        graph.content_id(node, far),
+        b.build().content_id(ground, far)
+    );
+    assert_eq!(graph.made_by(node, &far.grid()), [NodeIndex(0)]);
+    let (other, other_node) = faded(2000.0);
+    let near = TileKey::new(LevelKey::new(4, 3), 8, 3).unwrap();
+    assert_ne!(
+        graph.content_id(node, near),
+        other.content_id(other_node, near)
+    );
+}
