@@ -18,7 +18,7 @@ mod window;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DVec2, I64Vec2};
+use glam::DVec2;
 use relievo_planet::{Grid, MapPoint, Planet, SampleRect};
 
 use crate::file::{Cancel, RasterFile, ReadError};
@@ -384,13 +384,6 @@ fn finest_step_rad(source: &SourcePlane, planet: &Planet) -> f64 {
             m.x_axis.length().min(m.y_axis.length()) / planet.radius_m
         }
     }
-}
-
-/// Samples of a grid by index, for tests and tools: the grid of a rectangle that begins elsewhere.
-#[cfg(test)]
-fn part_of(grid: &Grid, column: i64, row: i64, width: i64, height: i64) -> Grid {
-    let min = grid.rect.min + I64Vec2::new(column, row);
-    grid.with_rect(SampleRect::at(min.x, min.y, width, height))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 use core::f64::consts::PI;
 use std::path::PathBuf;
 
+use glam::I64Vec2;
 use proptest::prelude::*;
 use relievo_planet::{GridCrs, Lattice, LevelKey, TileKey};
 
@@ -135,6 +136,12 @@ fn level_grid(n: u8, lon_deg: f64, lat_deg: f64, width: i64, height: i64) -> Gri
 
 fn bits(block: &Block) -> Vec<u32> {
     block.samples().iter().map(|v| v.to_bits()).collect()
+}
+
+/// The grid of a rectangle of a grid's samples.
+fn part_of(grid: &Grid, column: i64, row: i64, width: i64, height: i64) -> Grid {
+    let min = grid.rect.min + I64Vec2::new(column, row);
+    grid.with_rect(SampleRect::at(min.x, min.y, width, height))
 }
 
 /// Asserts that parts cut anywhere equal the whole, in both orders of making them.
@@ -404,8 +411,10 @@ fn the_kernel_is_round_on_the_ground_beside_the_pole() {
         south += w * (p.colat_rad - at.colat_rad).powi(2);
     }
     let ratio = (east / south).sqrt();
+    // Rows of grid and overview coincide here, so the kernel is at its narrowest along them; without a
+    // wider one along columns the ratio would be 0.85.
     assert!(
-        sum > 0.0 && (0.92..1.08).contains(&ratio),
+        sum > 0.0 && (0.95..1.25).contains(&ratio),
         "east {} south {}",
         (east / sum).sqrt(),
         (south / sum).sqrt()
