@@ -5,10 +5,22 @@
 //! to what a header merely claims.
 
 pub mod block;
+pub mod chunk_cache;
 pub mod colour;
+pub mod crs;
+pub mod edge;
 pub mod file;
+pub mod kernel;
+pub mod open;
 pub mod reduce;
 pub mod tile;
+pub mod warp;
+pub mod worldfile;
+pub mod write;
+
+mod geotiff;
+mod picture;
+mod pyramid;
 
 pub use block::{Bands, Block};
 pub use file::{Cancel, PixelRect, RasterFile, RasterInfo};

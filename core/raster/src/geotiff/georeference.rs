@@ -1,0 +1,93 @@
+//! Where the pixels of a GeoTIFF lie.
+
+use std::sync::Arc;
+
+use super::fault::{Fault, damaged, unsupported};
+use super::geokeys::GeoKeys;
+use super::ifd::{Ifd, TiffBytes, tag};
+use crate::file::Georeference;
+
+/// Plane coordinates from pixels, and the system they are in as far as the file says.
+#[derive(Debug, Default)]
+pub(crate) struct Placement {
+    /// See [`Georeference::plane_from_pixel`].
+    pub(crate) plane_from_pixel: Option<[f64; 6]>,
+    /// The system.
+    pub(crate) crs: Option<String>,
+}
+
+impl Placement {
+    /// Reads tags and geo keys.
+    pub(crate) fn read(file: &TiffBytes, ifd: &Ifd, keys: &GeoKeys) -> Result<Self, Fault> {
+        let mut affine = affine(file, ifd)?;
+        if let Some(affine) = &mut affine {
+            if keys.pixel_is_point() {
+                affine[0] -= 0.5 * (affine[1] + affine[2]);
+                affine[3] -= 0.5 * (affine[4] + affine[5]);
+            }
+            let degrees = keys.degrees_per_unit();
+            affine.iter_mut().for_each(|v| *v *= degrees);
+            check_affine(affine).map_err(Fault::Damaged)?;
+        }
+        Ok(Self {
+            plane_from_pixel: affine,
+            crs: keys.crs()?,
+        })
+    }
+
+    /// Both together, if both are known.
+    pub(crate) fn georeference(self) -> Option<Georeference> {
+        match (self.crs, self.plane_from_pixel) {
+            (Some(crs), Some(plane_from_pixel)) => Some(Georeference {
+                crs: Arc::from(crs),
+                plane_from_pixel,
+            }),
+            _ => None,
+        }
+    }
+}
+
+/// Says what is wrong with a map from pixels: numbers that are not finite, pixels without area.
+pub(crate) fn check_affine(affine: &[f64; 6]) -> Result<(), String> {
+    if !affine.iter().all(|v| v.is_finite() && v.abs() < 1e15) {
+        return Err(format!(
+            "expected finite positions of pixels, found {affine:?}"
+        ));
+    }
+    let area = affine[1] * affine[5] - affine[2] * affine[4];
+    if area == 0.0 || !area.is_normal() {
+        return Err(format!("expected pixels with an area, found {affine:?}"));
+    }
+    Ok(())
+}
+
+fn affine(file: &TiffBytes, ifd: &Ifd) -> Result<Option<[f64; 6]>, Fault> {
+    let matrix = file.f64_vec(ifd, tag::MODEL_TRANSFORMATION, 16)?;
+    if !matrix.is_empty() {
+        let &[a, b, _, x0, c, d, _, y0, ..] = matrix.as_slice() else {
+            return damaged(format!(
+                "expected 16 numbers in the model transformation, found {}",
+                matrix.len()
+            ));
+        };
+        return Ok(Some([x0, a, b, y0, c, d]));
+    }
+    let scale = file.f64_vec(ifd, tag::MODEL_PIXEL_SCALE, 16)?;
+    let tiepoints = file.f64_vec(ifd, tag::MODEL_TIEPOINT, 1 << 16)?;
+    match (scale.as_slice(), tiepoints.as_slice()) {
+        ([], []) => Ok(None),
+        (&[dx, dy, ..], &[column, row, _, x, y, _, ..]) => {
+            // Files with a negative second scale are north up all the same: some programs got the
+            // sign wrong, and GDAL reads them so (GTIFF_HONOUR_NEGATIVE_SCALEY). South-up files that
+            // are meant have a transformation.
+            let dy = -dy.abs();
+            Ok(Some([x - column * dx, dx, 0.0, y - row * dy, 0.0, dy]))
+        }
+        ([], tiepoints) if tiepoints.len() > 6 => unsupported(format!(
+            "expected a position and a size of pixels, found {} ground control points only: warp the image first",
+            tiepoints.len() / 6
+        )),
+        // A single tiepoint without a scale, or a scale without a tiepoint, places nothing.
+        _ => Ok(None),
+    }
+}
