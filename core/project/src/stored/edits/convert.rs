@@ -268,9 +268,16 @@ fn position(index: usize) -> u32 {
 /// Checks an edit's own values (not whether it fits a project) by the reader's rules.
 pub(crate) fn check(edit: &Edit) -> Result<(), Fault> {
     use crate::stored::value::Stored as _;
-    if let Edit::AddLayer { layer, .. } = edit {
-        unknown_is_unknown(layer)?;
-    }
+    unknown_layers_are_unknown(edit)?;
     let stored = StoredEdit::read(edit.to_stored().write(), &At::Root)?;
     Edit::from_stored(stored, &At::Root).map(drop)
+}
+
+/// An added layer that claims to be unknown but names a known kind could not be read back as it is.
+fn unknown_layers_are_unknown(edit: &Edit) -> Result<(), Fault> {
+    match edit {
+        Edit::Batch { edits, .. } => edits.iter().try_for_each(unknown_layers_are_unknown),
+        Edit::AddLayer { layer, .. } => unknown_is_unknown(layer),
+        _ => Ok(()),
+    }
 }

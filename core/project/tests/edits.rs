@@ -1,0 +1,401 @@
+//! Edits, their inverses and the history.
+
+use std::path::Path;
+
+use proptest::prelude::*;
+use relievo_project::{
+    Adjust, Affects, Aspect, Blend, CameraSettings, Edit, Georeference, HeightLayer, History,
+    ImageryLayer, Layer, LayerId, LayerKind, Noise, NoiseLayer, PlanetSettings, Project, Quality,
+    Resampling, Source, Sun, Tint, TintInterpolation, TintStop,
+};
+
+const EVERYTHING: &str = include_str!("data/everything.relievo");
+
+fn everything() -> Project {
+    Project::from_json(EVERYTHING, Path::new("p.relievo")).unwrap()
+}
+
+/// Canonical text without the camera, whose moves are not undone.
+fn without_camera(project: &Project) -> String {
+    Project {
+        camera: CameraSettings::default(),
+        ..project.clone()
+    }
+    .to_json()
+}
+
+fn id() -> impl Strategy<Value = LayerId> {
+    prop::sample::select(vec![
+        "blue-marble",
+        "wasatch",
+        "detail",
+        "tint",
+        "roads",
+        "new-1",
+        "new-2",
+    ])
+    .prop_map(LayerId::from)
+}
+
+fn layer() -> impl Strategy<Value = Layer> {
+    let kind = prop_oneof![
+        Just(LayerKind::Imagery(ImageryLayer::new(Source::new("x.tif")))),
+        Just(LayerKind::Height(HeightLayer::new(Source::new("../y.tif")))),
+        Just(LayerKind::Noise(NoiseLayer {
+            noise: Noise::default()
+        })),
+        Just(LayerKind::Unknown {
+            kind: "planning".into()
+        }),
+    ];
+    (id(), "[a-zé ]{0,8}", kind).prop_map(|(id, name, kind)| Layer::new(id, name, kind))
+}
+
+/// Any edit, many of which do not fit.
+fn edit() -> impl Strategy<Value = Edit> {
+    let value = -0.2..1.2_f64;
+    let single = prop_oneof![
+        (prop::option::of(0..8_usize), layer()).prop_map(|(index, l)| Edit::AddLayer {
+            index,
+            layer: Box::new(l)
+        }),
+        id().prop_map(|id| Edit::RemoveLayer { id }),
+        (id(), 0..8_usize).prop_map(|(id, index)| Edit::MoveLayer { id, index }),
+        (id(), ".{0,8}").prop_map(|(id, name)| Edit::SetName { id, name }),
+        (id(), any::<bool>()).prop_map(|(id, visible)| Edit::SetVisible { id, visible }),
+        (id(), any::<bool>()).prop_map(|(id, locked)| Edit::SetLocked { id, locked }),
+        (id(), value.clone()).prop_map(|(id, opacity)| Edit::SetOpacity { id, opacity }),
+        id().prop_map(|id| Edit::SetBlend {
+            id,
+            blend: Blend::Screen
+        }),
+        (id(), value.clone()).prop_map(|(id, gamma)| Edit::SetAdjust {
+            id,
+            adjust: Adjust {
+                gamma,
+                ..Adjust::default()
+            }
+        }),
+        id().prop_map(|id| Edit::SetResampling {
+            id,
+            resampling: Resampling::Bilinear
+        }),
+        (id(), value.clone()).prop_map(|(id, edge_fade_m)| Edit::SetEdgeFade { id, edge_fade_m }),
+        (id(), "[a-z/.]{0,9}").prop_map(|(id, path)| Edit::SetPath { id, path }),
+        (id(), any::<bool>()).prop_map(|(id, given)| {
+            let crs = Some("EPSG:4326".to_owned());
+            let georeference = Georeference {
+                crs,
+                extent: None,
+                extra: Default::default(),
+            };
+            Edit::SetGeoreference {
+                id,
+                georeference: given.then_some(georeference),
+            }
+        }),
+        (id(), prop::option::of(any::<f64>()))
+            .prop_map(|(id, nodata)| Edit::SetNodata { id, nodata }),
+        (
+            id(),
+            prop::option::of(prop::collection::vec(0..5_u16, 1..4))
+        )
+            .prop_map(|(id, bands)| Edit::SetBands { id, bands }),
+        (id(), value.clone()).prop_map(|(id, x)| Edit::SetHeightScale {
+            id,
+            vertical_scale: x,
+            offset_m: x
+        }),
+        (id(), value.clone()).prop_map(|(id, gain)| Edit::SetNoise {
+            id,
+            noise: Noise {
+                gain,
+                ..Noise::default()
+            }
+        }),
+        (
+            id(),
+            prop::collection::vec((-9.0..9.0_f64, any::<[u8; 3]>()), 0..3)
+        )
+            .prop_map(|(id, stops)| {
+                let stops = stops
+                    .into_iter()
+                    .map(|(h, colour)| TintStop::new(h, colour))
+                    .collect();
+                Edit::SetTint {
+                    id,
+                    tint: Tint {
+                        stops,
+                        interpolation: TintInterpolation::Smooth,
+                    },
+                }
+            }),
+    ];
+    let whole = prop_oneof![
+        Just(Edit::SetPlanet {
+            planet: PlanetSettings::default()
+        }),
+        value
+            .clone()
+            .prop_map(|vertical_exaggeration| Edit::SetExaggeration {
+                vertical_exaggeration
+            }),
+        value.clone().prop_map(|lon_deg| Edit::SetCamera {
+            camera: CameraSettings {
+                lon_deg,
+                ..Default::default()
+            }
+        }),
+        value.clone().prop_map(|ambient| Edit::SetSun {
+            sun: Sun {
+                ambient,
+                ..Sun::default()
+            }
+        }),
+        value.prop_map(|texel_px| Edit::SetQuality {
+            quality: Quality {
+                texel_px,
+                ..Quality::default()
+            }
+        }),
+    ];
+    prop_oneof![4 => single, 1 => whole].prop_recursive(2, 8, 3, |inner| {
+        prop::collection::vec(inner, 0..4).prop_map(|edits| Edit::Batch {
+            label: String::new(),
+            edits,
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+
+    #[test]
+    fn undoing_all_edits_restores_the_same_bytes(edits in prop::collection::vec(edit(), 0..30)) {
+        let mut project = everything();
+        let mut inverses = Vec::new();
+        for edit in edits {
+            let before = project.to_json();
+            match project.apply(edit) {
+                Ok(inverse) => inverses.push(inverse),
+                Err(_) => prop_assert_eq!(project.to_json(), before, "a refused edit changed something"),
+            }
+            // Every state that edits reach can be saved and opened.
+            let opened = Project::from_json(&project.to_json(), Path::new("p")).unwrap();
+            prop_assert_eq!(&opened, &project);
+        }
+        for inverse in inverses.into_iter().rev() {
+            project.apply(inverse).unwrap();
+        }
+        prop_assert_eq!(project.to_json(), EVERYTHING);
+    }
+
+    #[test]
+    fn undo_all_and_redo_all_lead_to_the_same_ends(
+        edits in prop::collection::vec((edit(), any::<bool>()), 0..30),
+    ) {
+        let mut project = everything();
+        let mut history = History::default();
+        for (edit, toggles_drag) in edits {
+            if toggles_drag && history.is_dragging() {
+                history.end_drag(&project);
+            } else if toggles_drag {
+                history.begin_drag(&project);
+            }
+            drop(history.apply(&mut project, edit));
+        }
+        history.end_drag(&project);
+        let end = without_camera(&project);
+        while history.undo(&mut project).unwrap().is_some() {}
+        prop_assert_eq!(without_camera(&project), without_camera(&everything()));
+        while history.redo(&mut project).unwrap().is_some() {}
+        prop_assert_eq!(without_camera(&project), end);
+    }
+
+    #[test]
+    fn edits_read_back_from_json(edit in edit()) {
+        let text = Edit::list_to_json(std::slice::from_ref(&edit));
+        if let Ok(read) = Edit::list_from_json(&text, Path::new("e")) {
+            prop_assert_eq!(&read[0], &edit);
+        }
+    }
+}
+
+fn opacity(opacity: f64) -> Edit {
+    Edit::SetOpacity {
+        id: "blue-marble".into(),
+        opacity,
+    }
+}
+
+#[test]
+fn a_whole_drag_is_one_step_back_to_where_it_began() {
+    let (mut project, mut history) = (everything(), History::default());
+    history.begin_drag(&project);
+    for i in 0..100 {
+        history
+            .apply(&mut project, opacity(f64::from(i) / 100.0))
+            .unwrap();
+    }
+    history.end_drag(&project);
+    assert_eq!(history.undo_label(), Some("Opacity of Blue Marble"));
+    assert_eq!(history.undo(&mut project).unwrap(), Some(opacity(0.75)));
+    assert_eq!(project.to_json(), EVERYTHING);
+    assert_eq!(history.undo_label(), None);
+    history.redo(&mut project).unwrap();
+    assert_eq!(project.layers[0].opacity, 0.99);
+}
+
+#[test]
+fn a_cancelled_drag_leaves_no_trace() {
+    let (mut project, mut history) = (everything(), History::default());
+    history.begin_drag(&project);
+    history.apply(&mut project, opacity(0.1)).unwrap();
+    assert_eq!(history.cancel_drag(&mut project), Some(opacity(0.75)));
+    assert_eq!(project.to_json(), EVERYTHING);
+    assert_eq!(history.undo_label(), None);
+}
+
+#[test]
+fn an_adjustment_is_called_by_the_slider_that_moved() {
+    let (mut project, mut history) = (everything(), History::default());
+    let LayerKind::Imagery(imagery) = &project.layers[0].kind else {
+        panic!("an imagery layer")
+    };
+    let adjust = Adjust {
+        brightness: 0.5,
+        ..imagery.adjust.clone()
+    };
+    history
+        .apply(
+            &mut project,
+            Edit::SetAdjust {
+                id: "blue-marble".into(),
+                adjust,
+            },
+        )
+        .unwrap();
+    assert_eq!(history.undo_label(), Some("Brightness of Blue Marble"));
+}
+
+#[test]
+fn a_camera_move_is_not_undone_and_keeps_what_can_be_redone() {
+    let (mut project, mut history) = (everything(), History::default());
+    history.apply(&mut project, opacity(0.1)).unwrap();
+    history.undo(&mut project).unwrap();
+    history
+        .apply(
+            &mut project,
+            Edit::SetCamera {
+                camera: CameraSettings::default(),
+            },
+        )
+        .unwrap();
+    assert_eq!(history.undo_label(), None);
+    assert_eq!(history.redo_label(), Some("Opacity of Blue Marble"));
+}
+
+#[test]
+fn the_history_drops_its_oldest_steps_beyond_its_memory() {
+    let mut project = everything();
+    let mut history = History::new(20_000);
+    for i in 0..1000 {
+        history
+            .apply(&mut project, opacity(f64::from(i) / 1000.0))
+            .unwrap();
+        assert!(history.bytes() <= 20_000);
+    }
+    let mut steps = 0;
+    while history.undo(&mut project).unwrap().is_some() {
+        steps += 1;
+    }
+    assert!((10..1000).contains(&steps), "{steps}");
+}
+
+#[test]
+fn an_id_that_an_undo_would_bring_back_is_not_given_again() {
+    let (mut project, mut history) = (everything(), History::default());
+    history
+        .apply(&mut project, Edit::RemoveLayer { id: "tint".into() })
+        .unwrap();
+    assert_eq!(
+        history.fresh_layer_id(&project, "Tint"),
+        LayerId::from("tint-2")
+    );
+}
+
+#[test]
+fn a_batch_that_fails_half_way_changes_nothing() {
+    let mut project = everything();
+    let edits = vec![
+        opacity(0.1),
+        Edit::RemoveLayer {
+            id: "nobody".into(),
+        },
+    ];
+    let error = project
+        .apply(Edit::Batch {
+            label: String::new(),
+            edits,
+        })
+        .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "edit 1 of the batch: expected the id of a layer, found \"nobody\""
+    );
+    assert_eq!(project.to_json(), EVERYTHING);
+}
+
+#[test]
+fn values_that_no_file_can_hold_are_refused() {
+    let mut project = everything();
+    for wrong in [f64::NAN, f64::INFINITY, -0.1, 1.1] {
+        project.apply(opacity(wrong)).unwrap_err();
+    }
+    let nodata = Some(f64::NAN);
+    project
+        .apply(Edit::SetNodata {
+            id: "wasatch".into(),
+            nodata,
+        })
+        .unwrap_err();
+    let adjust = Adjust {
+        brightness: f64::NAN,
+        ..Adjust::default()
+    };
+    project
+        .apply(Edit::SetAdjust {
+            id: "blue-marble".into(),
+            adjust,
+        })
+        .unwrap_err();
+    assert_eq!(project.to_json(), EVERYTHING);
+}
+
+#[test]
+fn an_edit_tells_which_layer_and_what_of_it() {
+    let affects = Edit::Batch {
+        label: String::new(),
+        edits: vec![opacity(0.1), opacity(0.2)],
+    }
+    .affects();
+    assert_eq!(
+        affects,
+        [Affects::Layer {
+            id: "blue-marble".into(),
+            aspect: Aspect::Opacity
+        }]
+    );
+}
+
+#[test]
+fn a_slip_of_the_pen_in_a_script_is_named() {
+    let text = "[\n {\"edit\": \"set_visible\", \"id\": \"a\", \"visible\": true, \"opcity\": 1}]";
+    let message = Edit::list_from_json(text, Path::new("e.json"))
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        message,
+        "line 2, at /0/opcity: expected no such member in set_visible, found 1: \"e.json\""
+    );
+}
