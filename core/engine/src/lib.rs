@@ -3,6 +3,31 @@
 //! Invariants: only [`Engine::apply`] (and undo, redo) changes a project; nothing here waits for a
 //! tile on the caller's thread; nothing here knows a window or a GPU.
 
+pub mod bake;
+mod compile;
+pub mod engine;
 pub mod frame;
+mod message;
+pub mod query;
+mod residency;
+mod scene;
+mod sources;
+mod terrain;
+mod view;
 
+pub use bake::{Bake, BakeError, Output};
+pub use engine::{Engine, EngineOptions, EngineStats, OpenError, default_cache_folder, folder_of};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
+pub use query::{Maker, PlaceAnswer, Questions};
+pub use message::{Message, Severity};
+pub use sources::{SourceState, Sources};
+pub use view::View;
+
+/// Types of frames and views, for rooms that may depend on the engine only.
+/// Types of tiles, likewise.
+
+// A front-end needs their types, and this is the only door.
+pub use {
+    relievo_graph as graph, relievo_planet as planet, relievo_project as project,
+    relievo_raster as raster, relievo_tiles as tiles,
+};

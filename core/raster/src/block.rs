@@ -37,7 +37,12 @@ pub struct Block {
 impl Block {
     /// A block of zeros (a transparent colour, height 0).
     pub fn new(bands: Bands, width: usize, height: usize) -> Self {
-        Self { bands, width, height, samples: vec![0.0; bands.planes() * width * height] }
+        Self {
+            bands,
+            width,
+            height,
+            samples: vec![0.0; bands.planes() * width * height],
+        }
     }
 
     /// A block in which every sample has the same value per plane; `value` has one entry a plane.
@@ -81,6 +86,9 @@ impl Block {
     }
 
     /// All planes at once, for functions that write several together.
+    ///
+    /// # Panics
+    /// If there are not `N` planes.
     pub fn planes_mut<const N: usize>(&mut self) -> [&mut [f32]; N] {
         assert_eq!(N, self.bands.planes(), "one slice a plane");
         let n = (self.width * self.height).max(1);
@@ -110,11 +118,19 @@ impl Block {
     ///
     /// # Panics
     /// If the bands differ or a rectangle does not fit.
-    pub fn copy_from(&mut self, source: &Self, from: (usize, usize), to: (usize, usize), size: (usize, usize)) {
+    pub fn copy_from(
+        &mut self,
+        source: &Self,
+        from: (usize, usize),
+        to: (usize, usize),
+        size: (usize, usize),
+    ) {
         assert_eq!(self.bands, source.bands, "blocks of the same bands");
         assert!(
-            from.0 + size.0 <= source.width && from.1 + size.1 <= source.height
-                && to.0 + size.0 <= self.width && to.1 + size.1 <= self.height,
+            from.0 + size.0 <= source.width
+                && from.1 + size.1 <= source.height
+                && to.0 + size.0 <= self.width
+                && to.1 + size.1 <= self.height,
             "rectangles inside their blocks"
         );
         for plane in 0..self.bands.planes() {

@@ -126,7 +126,13 @@ pub trait RasterFile: Send + Sync {
     ///
     /// # Panics
     /// If the overview does not exist or the rectangle does not lie inside it.
-    fn read(&self, overview: usize, rect: PixelRect, out: &mut Block, cancel: &Cancel) -> Result<(), ReadError>;
+    fn read(
+        &self,
+        overview: usize,
+        rect: PixelRect,
+        out: &mut Block,
+        cancel: &Cancel,
+    ) -> Result<(), ReadError>;
 
     /// The file's path.
     fn path(&self) -> &Path {

@@ -97,16 +97,28 @@ impl Tile {
     /// # Panics
     /// If the block has another size or other bands than `to` stores.
     pub fn from_block(block: &Block, to: SampleType) -> Self {
-        assert_eq!(block.samples().len(), AREA * to.bands().planes(), "a block of a tile's size");
+        assert_eq!(
+            block.samples().len(),
+            AREA * to.bands().planes(),
+            "a block of a tile's size"
+        );
         assert_eq!(block.bands(), to.bands(), "bands of the sample type");
         let [p, q, r, s] = core::array::from_fn(|i| block.plane(i.min(to.bands().planes() - 1)));
         let content = match to {
             SampleType::Height => shared(AREA, |i| p[i], |a, b| a.to_bits() == b.to_bits())
                 .map_or_else(|v| Content::Uniform(Sample::Height(v)), Content::Height),
-            SampleType::Rgba8 => shared(AREA, |i| [p[i], q[i], r[i], s[i]].map(colour::to_u8), <[u8; 4]>::eq)
-                .map_or_else(|v| Content::Uniform(Sample::Rgba8(v)), Content::Rgba8),
-            SampleType::Rgba16F => shared(AREA, |i| [p[i], q[i], r[i], s[i]].map(f16::from_f32), <[f16; 4]>::eq)
-                .map_or_else(|v| Content::Uniform(Sample::Rgba16F(v)), Content::Rgba16F),
+            SampleType::Rgba8 => shared(
+                AREA,
+                |i| [p[i], q[i], r[i], s[i]].map(colour::to_u8),
+                <[u8; 4]>::eq,
+            )
+            .map_or_else(|v| Content::Uniform(Sample::Rgba8(v)), Content::Rgba8),
+            SampleType::Rgba16F => shared(
+                AREA,
+                |i| [p[i], q[i], r[i], s[i]].map(f16::from_f32),
+                <[f16; 4]>::eq,
+            )
+            .map_or_else(|v| Content::Uniform(Sample::Rgba16F(v)), Content::Rgba16F),
             SampleType::Rgba32F => shared(AREA, |i| [p[i], q[i], r[i], s[i]], <[f32; 4]>::eq)
                 .map_or_else(|v| Content::Uniform(Sample::Rgba32F(v)), Content::Rgba32F),
             SampleType::Mask => shared(AREA, |i| colour::to_u8(p[i]), u8::eq)
@@ -115,16 +127,23 @@ impl Tile {
                 .map_or_else(|v| Content::Uniform(Sample::Normal(v)), Content::Normal),
         };
         let height_range_m = (to == SampleType::Height).then(|| range(p)).flatten();
-        Self { content, height_range_m }
+        Self {
+            content,
+            height_range_m,
+        }
     }
 
     /// A tile with the same sample everywhere.
     pub fn uniform(sample: Sample) -> Self {
-        let height_range_m = match sample {
-            Sample::Height(h) if !h.is_nan() => Some((h, h)),
-            _ => None,
+        let height_range_m = if let Sample::Height(h) = sample {
+            range(&[h])
+        } else {
+            None
         };
-        Self { content: Content::Uniform(sample), height_range_m }
+        Self {
+            content: Content::Uniform(sample),
+            height_range_m,
+        }
     }
 
     /// How samples are stored.
@@ -141,7 +160,11 @@ impl Tile {
 
     /// The one sample of a uniform tile.
     pub fn as_uniform(&self) -> Option<Sample> {
-        if let Content::Uniform(sample) = self.content { Some(sample) } else { None }
+        if let Content::Uniform(sample) = self.content {
+            Some(sample)
+        } else {
+            None
+        }
     }
 
     /// Stored samples as bytes, row by row from the north; `None` for a uniform tile.
@@ -172,7 +195,10 @@ impl Tile {
     /// # Panics
     /// If it lies outside.
     pub fn sample(&self, column: usize, row: usize) -> Sample {
-        assert!(column.max(row) < TILE_SAMPLES as usize, "a sample of the tile");
+        assert!(
+            column.max(row) < TILE_SAMPLES as usize,
+            "a sample of the tile"
+        );
         let i = row * TILE_SAMPLES as usize + column;
         match &self.content {
             Content::Uniform(sample) => *sample,
@@ -189,17 +215,34 @@ impl Tile {
     ///
     /// # Panics
     /// If `out` holds other bands or a rectangle does not fit.
-    pub fn copy_to(&self, from: (usize, usize), out: &mut Block, to: (usize, usize), size: (usize, usize)) {
-        assert_eq!(out.bands(), self.sample_type().bands(), "a block of the tile's bands");
+    pub fn copy_to(
+        &self,
+        from: (usize, usize),
+        out: &mut Block,
+        to: (usize, usize),
+        size: (usize, usize),
+    ) {
+        assert_eq!(
+            out.bands(),
+            self.sample_type().bands(),
+            "a block of the tile's bands"
+        );
         let side = TILE_SAMPLES as usize;
-        assert!(from.0 + size.0 <= side && from.1 + size.1 <= side, "a rectangle of the tile");
+        assert!(
+            from.0 + size.0 <= side && from.1 + size.1 <= side,
+            "a rectangle of the tile"
+        );
         let width = out.width();
         for y in 0..size.1 {
             let (s, d) = ((from.1 + y) * side + from.0, (to.1 + y) * width + to.0);
             let (source, target) = (s..s + size.0, d..d + size.0);
             match &self.content {
                 Content::Uniform(sample) => {
-                    for (plane, v) in working(*sample).iter().take(out.bands().planes()).enumerate() {
+                    for (plane, v) in working(*sample)
+                        .iter()
+                        .take(out.bands().planes())
+                        .enumerate()
+                    {
                         out.plane_mut(plane)[target.clone()].fill(*v);
                     }
                 }
@@ -241,7 +284,11 @@ fn spread<T: Copy, const N: usize>(
 }
 
 /// `Ok` with all samples shared, or `Err` with the one that they all equal.
-fn shared<T: Copy>(count: usize, sample: impl Fn(usize) -> T, same: impl Fn(&T, &T) -> bool) -> Result<Arc<[T]>, T> {
+fn shared<T: Copy>(
+    count: usize,
+    sample: impl Fn(usize) -> T,
+    same: impl Fn(&T, &T) -> bool,
+) -> Result<Arc<[T]>, T> {
     let first = sample(0);
     if (1..count).all(|i| same(&sample(i), &first)) {
         return Err(first);
@@ -251,6 +298,8 @@ fn shared<T: Copy>(count: usize, sample: impl Fn(usize) -> T, same: impl Fn(&T, 
 
 fn range(heights: &[f32]) -> Option<(f32, f32)> {
     // min and max ignore a NaN operand.
-    let (low, high) = heights.iter().fold((f32::NAN, f32::NAN), |(l, h), v| (l.min(*v), h.max(*v)));
+    let (low, high) = heights
+        .iter()
+        .fold((f32::NAN, f32::NAN), |(l, h), v| (l.min(*v), h.max(*v)));
     (!low.is_nan()).then_some((low, high))
 }

@@ -1,0 +1,60 @@
+//! What users should know: each problem once.
+
+use std::sync::Arc;
+
+use relievo_graph::RenderError;
+use relievo_project::LayerId;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Severity {
+    /// The picture is right, but something deserves attention.
+    Warning,
+    /// Part of the picture is missing.
+    Error,
+}
+
+/// One thing that users should know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// How bad it is.
+    pub severity: Severity,
+    /// The layer it is about, where there is one.
+    pub layer: Option<LayerId>,
+    /// One line: what, expected, found.
+    pub text: String,
+}
+
+/// Most messages kept; a damaged file may fail in thousands of tiles with as many texts.
+const KEPT: usize = 200;
+
+/// All messages, without duplicates.
+#[derive(Default)]
+pub(crate) struct Messages {
+    all: Vec<Message>,
+    /// How many at the front are about sources, replaced as a whole by each revision.
+    sources: usize,
+}
+
+impl Messages {
+    pub(crate) fn all(&self) -> &[Message] {
+        &self.all
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.all.clear();
+        self.sources = 0;
+    }
+
+    pub(crate) fn tile_failed(&mut self, error: &Arc<RenderError>) {
+        let message = Message { severity: Severity::Error, layer: None, text: error.to_string() };
+        if self.all.len() < KEPT && !self.all.contains(&message) {
+            self.all.push(message);
+        }
+    }
+
+    pub(crate) fn replace_sources(&mut self, problems: &[Message]) {
+        self.all.splice(..self.sources, problems.iter().cloned());
+        self.sources = problems.len();
+    }
+}

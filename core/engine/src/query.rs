@@ -1,0 +1,112 @@
+//! Questions about single places, answered at the data's own resolution and not from the screen.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use relievo_graph::{Graph, NodeIndex, RenderError};
+use relievo_planet::{Grid, GridCrs, Lattice, LevelKey, MapPoint, Planet, SampleRect};
+use relievo_project::LayerId;
+use relievo_raster::{Block, Cancel};
+
+use crate::scene::Scene;
+
+/// What a project has at a place.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct PlaceAnswer {
+    /// Longitude in degrees, −180 ≤ lon < 180.
+    pub lon_deg: f64,
+    /// Latitude in degrees.
+    pub lat_deg: f64,
+    /// Height in metres above the datum, without exaggeration.
+    pub height_m: f64,
+    /// Straight red, green, blue and alpha as 8-bit sRGB; `None` where the project has no colour.
+    pub colour: Option<[u8; 4]>,
+    /// Slope of the ground in degrees.
+    pub slope_deg: Option<f64>,
+    /// What made the height, in order of evaluation.
+    pub height_made_by: Vec<Maker>,
+    /// What made the colour, in order of evaluation.
+    pub colour_made_by: Vec<Maker>,
+    /// Spacing in metres at which the answer was evaluated.
+    pub spacing_m: f64,
+}
+
+/// A node that had a part in a value.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Maker {
+    /// Kind of the node.
+    pub node: &'static str,
+    /// The layer it belongs to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<String>,
+}
+
+/// A revision that questions can be asked of on any thread, whatever happens to the project
+/// meanwhile.
+#[derive(Clone)]
+pub struct Questions {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) planet: Planet,
+}
+
+impl Questions {
+    /// Height, colour and slope at a place, evaluated there at the spacing of the finest data.
+    ///
+    /// # Errors
+    /// When a source cannot be read, or work was cancelled.
+    pub fn place(&self, point: MapPoint, cancel: &Cancel) -> Result<PlaceAnswer, RenderError> {
+        let scene = &self.scene;
+        let point = point.normalised();
+        let step_rad = LevelKey::new(0, scene.finest()).step_rad().y;
+        let grid = one_sample(point, step_rad);
+        let ask = |node: NodeIndex| -> Result<Block, RenderError> { scene.graph.evaluate(node, &grid, cancel) };
+        let height_m = f64::from(ask(scene.roots.height)?.samples()[0]);
+        let colour = match scene.roots.colour {
+            Some(node) => {
+                let c = ask(node)?;
+                Some([0, 1, 2, 3].map(|i| relievo_raster::colour::to_u8(c.samples()[i])))
+            }
+            None => None,
+        };
+        let slope_deg = match scene.slope {
+            Some(node) => {
+                let n = ask(node)?;
+                let level = f64::from(n.samples()[0]).hypot(f64::from(n.samples()[1]));
+                Some(level.min(1.0).asin().to_degrees())
+            }
+            None => None,
+        };
+        let (lon_deg, lat_deg) = point.to_degrees();
+        Ok(PlaceAnswer {
+            lon_deg,
+            lat_deg,
+            height_m,
+            colour,
+            slope_deg,
+            height_made_by: self.makers(&scene.graph, scene.roots.height, &grid),
+            colour_made_by: scene.roots.colour.map_or_else(Vec::new, |c| self.makers(&scene.graph, c, &grid)),
+            spacing_m: step_rad * self.planet.radius_m,
+        })
+    }
+
+    fn makers(&self, graph: &Graph, node: NodeIndex, grid: &Grid) -> Vec<Maker> {
+        let named = |id: &LayerId| id.0.clone();
+        graph
+            .made_by(node, grid)
+            .into_iter()
+            .map(|n| Maker { node: graph.node(n).kind(), layer: self.scene.layers.get(&n).map(named) })
+            .collect()
+    }
+}
+
+/// A grid of one sample, square on the ground, with its centre at a point.
+fn one_sample(point: MapPoint, step_rad: f64) -> Grid {
+    let step = DVec2::new(step_rad / point.colat_rad.sin().max(step_rad), step_rad);
+    let lattice = Lattice {
+        crs: GridCrs::Map,
+        origin: DVec2::new(point.lon_rad, point.colat_rad) - 0.5 * step,
+        step,
+        columns_around: None,
+    };
+    Grid::new(Arc::new(lattice), SampleRect::at(0, 0, 1, 1))
+}

@@ -1,0 +1,302 @@
+//! Which tiles each clip level holds: from finished tiles to uploads and valid rectangles.
+//!
+//! Invariant: a level's valid rectangle holds samples of one revision only, all of them uploaded.
+//! A window that moves, a tile that comes late and a tile whose content changed are the same case:
+//! some part of a tile's rectangle is not covered by the content with the right name yet.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use relievo_graph::ContentId;
+use relievo_planet::clipmap::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN, ValidRect, valid_rect};
+use relievo_planet::clipmap::{LevelPlan, Window, choose};
+use relievo_planet::{SampleRect, TileKey};
+use relievo_raster::{Sample, Tile};
+use relievo_tiles::TileState;
+
+use crate::frame::{ClipKind, LevelView, Upload};
+
+/// Seconds in which newly valid detail fades in.
+const FADE_S: f32 = 0.25;
+
+/// The levels of one clipmap.
+pub(crate) struct Stack {
+    kind: ClipKind,
+    levels: Vec<Level>,
+}
+
+struct Level {
+    plan: LevelPlan,
+    slots: HashMap<TileKey, Slot>,
+    valid: ValidRect,
+    /// The part of `valid` that has faded in already.
+    settled: ValidRect,
+    fade: f32,
+    /// Whether tiles or window changed since `valid` was found.
+    touched: bool,
+}
+
+const NOTHING: ValidRect = ValidRect {
+    rect: SampleRect::new(glam::I64Vec2::ZERO, glam::I64Vec2::ZERO),
+    whole_circle: false,
+};
+
+/// A tile in a window's storage.
+struct Slot {
+    id: ContentId,
+    /// What of the tile has been uploaded, counted from the tile's first sample.
+    covered: SampleRect,
+    /// Kept where the CPU asks for samples too: heights under the camera and the pointer.
+    tile: Option<Arc<Tile>>,
+}
+
+impl Stack {
+    pub(crate) fn new(kind: ClipKind) -> Self {
+        Self { kind, levels: Vec::new() }
+    }
+
+    /// Forgets everything uploaded: the textures are gone.
+    pub(crate) fn clear(&mut self) {
+        self.levels.clear();
+    }
+
+    /// Moves windows to where the plan has them; what stays inside stays resident.
+    pub(crate) fn follow(&mut self, plans: &[LevelPlan]) {
+        let mut old: HashMap<u8, Level> = self.levels.drain(..).map(|l| (l.plan.level.n, l)).collect();
+        for plan in plans {
+            let kept = old.remove(&plan.level.n).filter(|l| {
+                l.plan.level == plan.level && l.plan.window.size == plan.window.size
+            });
+            self.levels.push(match kept {
+                Some(level) => level.moved(*plan),
+                None => Level::new(*plan),
+            });
+        }
+    }
+
+    /// Whether all that the window needs of a tile is uploaded with this content.
+    pub(crate) fn holds(&self, key: TileKey, id: ContentId) -> bool {
+        self.levels.iter().filter(|l| l.plan.level == key.level).any(|l| {
+            l.slots.get(&key).is_some_and(|s| s.id == id && s.covered.contains_rect(&l.needed(key)))
+        })
+    }
+
+    /// Whether something of this tile, whatever its content, is on the screen.
+    pub(crate) fn shows(&self, key: TileKey) -> bool {
+        self.levels.iter().any(|l| l.plan.level == key.level && l.slots.contains_key(&key))
+    }
+
+    /// Brings windows up to date: drops what has another name now, uploads what `find` gives, at
+    /// most `budget` copies. Returns whether something is left that `find` had but the budget did
+    /// not allow.
+    pub(crate) fn update(
+        &mut self,
+        name: impl Fn(TileKey) -> ContentId,
+        find: impl Fn(ContentId) -> Option<TileState>,
+        budget: &mut usize,
+        uploads: &mut Vec<Upload>,
+    ) -> bool {
+        let mut left = false;
+        for (layer, level) in self.levels.iter_mut().enumerate() {
+            left |= level.update(self.kind, layer as u32, &name, &find, budget, uploads);
+        }
+        left
+    }
+
+    /// Advances fades and takes up newly valid rectangles. `dt_s` is the time since the last call;
+    /// infinite to fade in at once.
+    pub(crate) fn settle(&mut self, dt_s: f32) {
+        for level in &mut self.levels {
+            level.settle(dt_s);
+        }
+    }
+
+    /// What the front-end is told.
+    pub(crate) fn views(&self) -> Vec<LevelView> {
+        self.levels
+            .iter()
+            .enumerate()
+            .map(|(layer, level)| LevelView {
+                layer: layer as u32,
+                window: level.plan.window,
+                view: level.view(self.kind),
+            })
+            .collect()
+    }
+
+    /// Tiles that are resident, finest level first.
+    pub(crate) fn tiles(&self) -> impl Iterator<Item = (TileKey, &Arc<Tile>)> {
+        self.levels.iter().rev().flat_map(|l| {
+            let mut tiles: Vec<_> = l.slots.iter().filter_map(|(k, s)| Some((*k, s.tile.as_ref()?))).collect();
+            tiles.sort_unstable_by_key(|(k, _)| *k);
+            tiles
+        })
+    }
+
+    /// The finest resident tile that holds a map point, with the point's position in it in samples.
+    pub(crate) fn tile_at(&self, point: relievo_planet::MapPoint) -> Option<(TileKey, &Arc<Tile>)> {
+        self.levels.iter().rev().find_map(|l| {
+            let sample = l.plan.level.sample_from_map(point).floor().as_i64vec2();
+            let sample = sample.clamp(glam::I64Vec2::ZERO, l.plan.level.samples() - 1);
+            let tile = sample / relievo_planet::TILE_SAMPLES;
+            let key = TileKey::new(l.plan.level, tile.x, tile.y)?;
+            let slot = l.slots.get(&key)?;
+            Some((key, slot.tile.as_ref()?))
+        })
+    }
+}
+
+impl Level {
+    fn new(plan: LevelPlan) -> Self {
+        Self {
+            plan,
+            slots: HashMap::new(),
+            valid: NOTHING,
+            settled: NOTHING,
+            fade: 1.0,
+            touched: true,
+        }
+    }
+
+    fn moved(mut self, plan: LevelPlan) -> Self {
+        let before = self.plan.window;
+        self.plan = plan;
+        let around = plan.level.samples().x;
+        // A step over the antimeridian renames columns by a whole turn.
+        let centre = |w: &Window| i64::midpoint(w.rect.min.x, w.rect.max.x);
+        let turns = (2 * (centre(&plan.window) - centre(&before)) + around).div_euclid(2 * around);
+        let rename = glam::I64Vec2::new(turns * around, 0);
+        for part in [&mut self.valid, &mut self.settled] {
+            if !part.whole_circle {
+                part.rect = part.rect.shift(rename).intersection(&plan.window.rect);
+            }
+        }
+        self.touched = true;
+        let window = plan.window;
+        self.slots.retain(|key, slot| {
+            let Some(rect) = window.tile_rect(*key) else {
+                return false;
+            };
+            let inside = rect.intersection(&window.rect).shift(-rect.min);
+            slot.covered = slot.covered.intersection(&inside);
+            !slot.covered.is_empty()
+        });
+        self
+    }
+
+    /// The part of a tile that the window shows, counted from the tile's first sample.
+    fn needed(&self, key: TileKey) -> SampleRect {
+        let window = &self.plan.window;
+        window
+            .tile_rect(key)
+            .map_or_else(SampleRect::default, |r| r.intersection(&window.rect).shift(-r.min))
+    }
+
+    fn update(
+        &mut self,
+        kind: ClipKind,
+        layer: u32,
+        name: &impl Fn(TileKey) -> ContentId,
+        find: &impl Fn(ContentId) -> Option<TileState>,
+        budget: &mut usize,
+        uploads: &mut Vec<Upload>,
+    ) -> bool {
+        let mut left = false;
+        for (key, rect) in self.plan.window.tiles() {
+            let id = name(key);
+            let needed = rect.intersection(&self.plan.window.rect).shift(-rect.min);
+            let covered = match self.slots.get(&key) {
+                Some(slot) if slot.id == id => slot.covered,
+                Some(_) => {
+                    self.slots.remove(&key);
+                    self.touched = true;
+                    SampleRect::default()
+                }
+                None => SampleRect::default(),
+            };
+            if covered.contains_rect(&needed) {
+                continue;
+            }
+            let Some(state) = find(id) else { continue };
+            if *budget == 0 {
+                left = true;
+                continue;
+            }
+            *budget -= 1;
+            let tile = match state {
+                TileState::Ready(tile) => tile,
+                TileState::Failed(_) => stand_in(kind),
+            };
+            for missing in needed.minus(&covered) {
+                for piece in self.plan.window.upload_pieces(key, &missing.shift(rect.min)) {
+                    uploads.push(Upload {
+                        clipmap: kind,
+                        layer,
+                        storage: [piece.storage.x as u32, piece.storage.y as u32],
+                        tile: Arc::clone(&tile),
+                        source: [piece.in_tile.min.x as u32, piece.in_tile.min.y as u32],
+                        size: [piece.in_tile.width() as u32, piece.in_tile.height() as u32],
+                    });
+                }
+            }
+            let tile = (kind == ClipKind::Height).then_some(tile);
+            self.slots.insert(key, Slot { id, covered: needed, tile });
+            self.touched = true;
+        }
+        left
+    }
+
+    fn settle(&mut self, dt_s: f32) {
+        if self.fade < 1.0 {
+            self.fade = (self.fade + dt_s / FADE_S).min(1.0);
+        }
+        if self.fade >= 1.0 {
+            self.settled = self.valid;
+        }
+        if !self.touched {
+            return;
+        }
+        let best = self.readable();
+        let grows = best.whole_circle || best.rect.contains_rect(&self.valid.rect);
+        if grows && self.fade < 1.0 {
+            // What is fading in goes on; the next growth waits for it, so that nothing jumps.
+            return;
+        }
+        self.touched = false;
+        if best == self.valid {
+            return;
+        }
+        self.settled.rect = self.settled.rect.intersection(&best.rect);
+        self.settled.whole_circle &= best.whole_circle;
+        self.valid = best;
+        self.fade = if dt_s.is_infinite() || self.settled == best { 1.0 } else { 0.0 };
+    }
+
+    /// The largest rectangle that is uploaded.
+    fn readable(&self) -> ValidRect {
+        let resident = |key: TileKey| {
+            self.slots.get(&key).is_some_and(|s| s.covered.contains_rect(&self.needed(key)))
+        };
+        let mut best = valid_rect(&self.plan, resident);
+        if best.whole_circle {
+            // The same columns whatever the focus, so that a turn is no change.
+            best.rect.min.x = 0;
+            best.rect.max.x = self.plan.level.samples().x;
+        }
+        best
+    }
+
+    fn view(&self, kind: ClipKind) -> choose::LevelView {
+        let margin = if kind == ClipKind::Height { HEIGHT_FILTER_MARGIN } else { COLOUR_FILTER_MARGIN };
+        choose::LevelView::new(&self.plan, &self.valid, Some(&self.settled), self.fade, margin)
+    }
+}
+
+/// What is drawn where a tile cannot be made: level ground at the datum, in a colour that no terrain has.
+fn stand_in(kind: ClipKind) -> Arc<Tile> {
+    Arc::new(Tile::uniform(match kind {
+        ClipKind::Height => Sample::Height(0.0),
+        ClipKind::Colour => Sample::Rgba8([206, 66, 125, 255]),
+        ClipKind::Normal => Sample::Normal(Default::default()),
+    }))
+}

@@ -1,0 +1,114 @@
+//! One revision of a project, compiled: the graph, its roots, and the names of their tiles.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+use relievo_graph::{ContentId, Graph, NodeIndex};
+use relievo_planet::clipmap::Window;
+use relievo_planet::clipmap::levels::{columns_exponent, reach_rad};
+use relievo_planet::{Grid, LevelKey, MapPoint, TileKey};
+use relievo_project::LayerId;
+use relievo_tiles::Want;
+
+use crate::ClipKind;
+
+/// Names are forgotten beyond this many; a view needs a few thousand.
+const NAMES_KEPT: usize = 60_000;
+
+/// A compiled revision. Immutable but for the memory of tile names.
+pub(crate) struct Scene {
+    /// Counts revisions.
+    pub(crate) revision: u64,
+    pub(crate) graph: Arc<Graph>,
+    pub(crate) roots: Roots,
+    /// The layer behind each node, where one is.
+    pub(crate) layers: HashMap<NodeIndex, LayerId>,
+    /// Normals without exaggeration; `None` when no layer gives heights.
+    pub(crate) slope: Option<NodeIndex>,
+    /// How fine each source is.
+    details: Vec<Detail>,
+    /// Layers that the graph leaves out, and why.
+    pub(crate) left_out: Vec<(LayerId, &'static str)>,
+    names: Mutex<HashMap<(NodeIndex, TileKey), ContentId>>,
+}
+
+/// The cut points that are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Roots {
+    pub(crate) height: NodeIndex,
+    /// `None` when no layer gives colour.
+    pub(crate) colour: Option<NodeIndex>,
+    /// `None` when no layer gives heights: a smooth ball needs no normals.
+    pub(crate) normal: Option<NodeIndex>,
+}
+
+/// How fine one source is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Detail {
+    /// The node that reads or makes it.
+    pub(crate) node: NodeIndex,
+    /// Finest level n that it is worth.
+    pub(crate) finest: u8,
+}
+
+impl Scene {
+    pub(crate) fn new(
+        revision: u64,
+        graph: Arc<Graph>,
+        roots: Roots,
+        slope: Option<NodeIndex>,
+        layers: HashMap<NodeIndex, LayerId>,
+        details: Vec<Detail>,
+        left_out: Vec<(LayerId, &'static str)>,
+    ) -> Self {
+        Self { revision, graph, roots, slope, layers, details, left_out, names: Mutex::new(HashMap::new()) }
+    }
+
+    /// Finest level n that some source is worth anywhere.
+    pub(crate) fn finest(&self) -> u8 {
+        self.details.iter().map(|d| d.finest).max().unwrap_or(0)
+    }
+
+    /// Finest level n that is worth showing in windows of `size` samples around a focus: some source
+    /// as fine as the level reaches into its window. A coarser level shows the same, magnified.
+    pub(crate) fn finest_near(&self, focus: MapPoint, size: u32) -> u8 {
+        let reaches = |n: u8, node: NodeIndex| {
+            let level = LevelKey::new(columns_exponent(n, focus.colat_rad, reach_rad(n, size), size), n);
+            let grid = Grid::new(Arc::new(level.lattice()), Window::place(level, focus, size).rect);
+            !self.graph.known(node, &grid).is_absent(self.graph.node(node).output())
+        };
+        (0..=self.finest())
+            .rev()
+            .find(|n| self.details.iter().any(|d| d.finest >= *n && reaches(*n, d.node)))
+            .unwrap_or(0)
+    }
+
+    /// The cut point behind a clipmap.
+    pub(crate) fn root(&self, kind: ClipKind) -> Option<NodeIndex> {
+        match kind {
+            ClipKind::Height => Some(self.roots.height),
+            ClipKind::Colour => self.roots.colour,
+            ClipKind::Normal => self.roots.normal,
+        }
+    }
+
+    /// Name of a tile of a root.
+    pub(crate) fn name(&self, node: NodeIndex, key: TileKey) -> ContentId {
+        if let Some(id) = self.names.lock().get(&(node, key)) {
+            return *id;
+        }
+        let id = self.graph.content_id(node, key);
+        let mut names = self.names.lock();
+        if names.len() >= NAMES_KEPT {
+            names.clear();
+        }
+        names.insert((node, key), id);
+        id
+    }
+
+    /// What to ask the scheduler for.
+    pub(crate) fn want(&self, node: NodeIndex, key: TileKey) -> Want {
+        Want { graph: Arc::clone(&self.graph), node, key, id: self.name(node, key) }
+    }
+}

@@ -1,0 +1,198 @@
+//! Revisions on the engine's log: what an edit makes again, and what is never made twice.
+
+use std::time::Duration;
+
+use relievo_engine::planet::Camera;
+use relievo_engine::project::{
+    Adjust, Edit, Layer, LayerId, LayerKind, Noise, NoiseLayer, NoiseMode, Project, Tint,
+    TintInterpolation, TintLayer, TintStop,
+};
+use relievo_engine::tiles::LogEntry;
+use relievo_engine::{Engine, EngineOptions, Frame, View};
+
+fn layer(id: &str, kind: LayerKind) -> Layer {
+    Layer::new(LayerId::from(id), id, kind)
+}
+
+fn tint(id: &str, low: [u8; 3], high: [u8; 3]) -> Layer {
+    let stops = vec![TintStop::new(-2000.0, low), TintStop::new(2000.0, high)];
+    let tint = Tint { stops, interpolation: TintInterpolation::Smooth, ..Tint::default() };
+    layer(id, LayerKind::Tint(TintLayer::new(tint)))
+}
+
+fn project() -> Project {
+    let noise = Noise { mode: NoiseMode::Replace, octaves: 6, ..Noise::default() };
+    Project {
+        layers: vec![
+            layer("hills", LayerKind::Noise(NoiseLayer { noise })),
+            tint("below", [20, 60, 20], [200, 200, 180]),
+            tint("above", [90, 20, 20], [250, 220, 180]),
+        ],
+        ..Project::default()
+    }
+}
+
+fn engine(threads: usize) -> Engine {
+    let options =
+        EngineOptions { threads: Some(threads), log: true, cache_folder: None, ..EngineOptions::default() };
+    let mut engine = Engine::new(project(), std::path::Path::new("."), options).unwrap();
+    set_opacity(&mut engine, "above", 0.5);
+    engine.set_view(view(10.0));
+    engine
+}
+
+fn view(lon_deg: f64) -> View {
+    let mut camera = Camera::from_degrees(lon_deg, 45.0, 2.0e5, 0.0, -60.0, 60.0).unwrap();
+    camera.fov_y_rad = 1.0;
+    View { camera, viewport_px: [320, 240], colour_window: 256, colour_texel_px: 1.0, height_texel_px: 2.0 }
+}
+
+fn set_opacity(engine: &mut Engine, id: &str, opacity: f64) {
+    engine.apply(Edit::SetOpacity { id: LayerId::from(id), opacity }).unwrap();
+}
+
+fn adjust(engine: &mut Engine, id: &str, contrast: f64) {
+    let adjust = Adjust { contrast, ..Adjust::default() };
+    engine.apply(Edit::SetAdjust { id: LayerId::from(id), adjust }).unwrap();
+}
+
+/// Drains until the picture is done; gives every frame.
+fn converge(engine: &mut Engine) -> Vec<Frame> {
+    let mut frames = Vec::new();
+    for _ in 0..2000 {
+        let frame = engine.drain(f32::INFINITY).unwrap();
+        let done = frame.is_converged();
+        frames.push(frame);
+        if done {
+            return frames;
+        }
+        engine.wait(Duration::from_millis(50));
+    }
+    panic!("does not converge: {:?}", engine.stats());
+}
+
+/// Waits for prefetched tiles, too, so that the log holds all that was started.
+fn log(engine: &mut Engine) -> Vec<LogEntry> {
+    while engine.stats().tiles.pending > 0 {
+        engine.wait(Duration::from_millis(50));
+        engine.drain(f32::INFINITY);
+    }
+    engine.take_log()
+}
+
+#[test]
+fn a_slider_makes_again_only_what_depends_on_its_layer() {
+    let mut engine = engine(2);
+    converge(&mut engine);
+    log(&mut engine);
+    adjust(&mut engine, "above", 1.3);
+    converge(&mut engine);
+    let made = log(&mut engine);
+    assert!(!made.is_empty());
+    let kinds: std::collections::BTreeSet<_> = made.iter().map(|e| e.kind).collect();
+    assert_eq!(kinds.into_iter().collect::<Vec<_>>(), ["overlay"], "no height, no normal, no noise");
+}
+
+#[test]
+fn undo_makes_nothing_and_restores_the_same_tiles() {
+    let mut engine = engine(2);
+    converge(&mut engine);
+    log(&mut engine);
+    adjust(&mut engine, "above", 1.3);
+    converge(&mut engine);
+    log(&mut engine);
+    assert!(engine.undo().unwrap());
+    let frames = converge(&mut engine);
+    assert!(frames.iter().any(|f| !f.uploads.is_empty()), "the old colours come back");
+    assert_eq!(log(&mut engine), []);
+}
+
+#[test]
+fn a_camera_that_comes_back_makes_nothing() {
+    let mut engine = engine(2);
+    converge(&mut engine);
+    log(&mut engine);
+    engine.set_view(view(14.0));
+    converge(&mut engine);
+    let moved = log(&mut engine);
+    assert!(!moved.is_empty());
+    let ids: std::collections::HashSet<_> = moved.iter().map(|e| e.id).collect();
+    assert_eq!(ids.len(), moved.len(), "nothing twice");
+    engine.set_view(view(10.0));
+    converge(&mut engine);
+    assert_eq!(log(&mut engine), []);
+}
+
+#[test]
+fn hidden_layers_change_no_name_of_any_tile() {
+    let mut plain = engine(1);
+    converge(&mut plain);
+    let mut crowded = engine(1);
+    for n in 0..10 {
+        let mut inert = tint(&format!("inert-{n}"), [0; 3], [255; 3]);
+        inert.visible = n % 2 == 0;
+        inert.opacity = if inert.visible { 0.0 } else { 1.0 };
+        crowded.apply(Edit::AddLayer { index: Some(n % 3), layer: Box::new(inert) }).unwrap();
+    }
+    converge(&mut crowded);
+    let names = |e: &mut Engine| {
+        let mut ids: Vec<_> = log(e).iter().map(|l| l.id).collect();
+        ids.sort();
+        ids
+    };
+    assert_eq!(names(&mut plain), names(&mut crowded));
+    assert_eq!(crowded.left_out().len(), 10);
+}
+
+#[test]
+fn the_same_uploads_whatever_the_number_of_threads() {
+    let bytes = |threads| {
+        let mut engine = engine(threads);
+        let mut all: Vec<_> = converge(&mut engine)
+            .into_iter()
+            .flat_map(|f| f.uploads)
+            .map(|u| (u.clipmap, u.layer, u.storage, u.source, u.size, u.tile.bytes().map(<[u8]>::to_vec)))
+            .collect();
+        all.sort();
+        all.dedup();
+        all
+    };
+    let one = bytes(1);
+    let three = bytes(3);
+    // Prefetched tiles may or may not have come in time; what both have must agree.
+    let places: std::collections::BTreeMap<_, _> =
+        one.iter().map(|u| ((u.0, u.1, u.2, u.3, u.4), &u.5)).collect();
+    let mut both = 0;
+    for u in &three {
+        if let Some(same) = places.get(&(u.0, u.1, u.2, u.3, u.4)) {
+            assert_eq!(*same, &u.5);
+            both += 1;
+        }
+    }
+    assert!(both > 10);
+}
+
+#[test]
+fn a_drag_shows_whole_revisions_in_order_and_starves_nothing() {
+    let mut engine = engine(2);
+    converge(&mut engine);
+    let mut shown = Vec::new();
+    engine.begin_drag();
+    for step in 0..30 {
+        adjust(&mut engine, "above", 1.0 + f64::from(step) * 0.02);
+        let frame = engine.drain(0.016).unwrap();
+        shown.push(frame.revision);
+        engine.wait(Duration::from_millis(5));
+    }
+    engine.end_drag();
+    converge(&mut engine);
+    assert!(shown.is_sorted());
+    shown.dedup();
+    assert!(shown.len() > 2, "revisions are published while the drag goes on: {shown:?}");
+    assert!(engine.undo().unwrap());
+    let contrast = |e: &Engine| match &e.project().layers[2].kind {
+        LayerKind::Tint(t) => t.adjust.contrast,
+        _ => 0.0,
+    };
+    assert_eq!(contrast(&engine), 1.0, "the whole drag is one step");
+}
