@@ -21,8 +21,7 @@ const POLE_SLACK_RAD: f64 = 1e-9;
 static WGS84: LazyLock<Option<Proj>> =
     LazyLock::new(|| Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs").ok());
 
-/// Systems that ESRI numbers and EPSG does not, on the Earth. Source: ESRI's projection engine
-/// database, version 10.
+/// Systems that ESRI numbers and EPSG does not, on the Earth, as PROJ 9's database defines them.
 static ESRI: &[(u32, &str)] = &[
     (54001, "+proj=eqc +datum=WGS84 +units=m +no_defs"),
     (54008, "+proj=sinu +datum=WGS84 +units=m +no_defs"),

@@ -1,7 +1,6 @@
 //! Radii of planets and moons by ESRI code.
 //!
-//! Source: Archinal et al., Report of the IAU Working Group on Cartographic Coordinates and
-//! Rotational Elements (2000, 2009 and 2015), as ESRI numbers them.
+//! Source: the ESRI systems of bodies other than the Earth in PROJ 9's database.
 
 /// A body with its code, name, equatorial radius in metres and inverse flattening (0: a sphere).
 #[derive(Clone, Copy, Debug)]
