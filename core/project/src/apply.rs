@@ -78,6 +78,7 @@ impl Project {
         self.apply_checked(edit)
     }
 
+    #[expect(clippy::too_many_lines, reason = "one arm for each edit")]
     fn apply_checked(&mut self, edit: Edit) -> Result<Edit, EditError> {
         Ok(match edit {
             Edit::AddLayer { index, layer } => self.add_layer(index, *layer)?,
@@ -336,15 +337,14 @@ fn wrong_kind(layer: &Layer, what: &'static str, expected: &'static str) -> Edit
 /// Depth of nested batches, counted no further than one beyond the limit.
 fn depth(edit: &Edit) -> usize {
     fn below(edit: &Edit, left: usize) -> usize {
-        match edit {
-            Edit::Batch { edits, .. } if left > 0 => {
-                1 + edits
-                    .iter()
-                    .map(|edit| below(edit, left - 1))
-                    .max()
-                    .unwrap_or(0)
-            }
-            _ => 0,
+        if let (Edit::Batch { edits, .. }, 1..) = (edit, left) {
+            1 + edits
+                .iter()
+                .map(|edit| below(edit, left - 1))
+                .max()
+                .unwrap_or(0)
+        } else {
+            0
         }
     }
     below(edit, DEEPEST_BATCH + 1)

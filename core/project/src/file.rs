@@ -165,6 +165,7 @@ pub fn is_unchanged(path: &Path, stamp: FileStamp) -> io::Result<bool> {
 
 /// Those of the file to replace, or what a new file gets (temporary files are private otherwise).
 #[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "other systems have none")]
 fn new_file_permissions(target: &Path) -> Option<fs::Permissions> {
     use std::os::unix::fs::PermissionsExt as _;
     let existing = fs::metadata(target).map(|data| data.permissions());

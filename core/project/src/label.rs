@@ -118,22 +118,23 @@ impl Edit {
                 };
             }
         };
-        let name = match self {
-            Self::AddLayer { layer, .. } => &layer.name,
-            _ => self
-                .layer_id()
+        let name = if let Self::AddLayer { layer, .. } = self {
+            &layer.name
+        } else {
+            self.layer_id()
                 .and_then(|id| project.layer(id))
-                .map_or("a layer", |layer| layer.name.as_str()),
+                .map_or("a layer", |layer| layer.name.as_str())
         };
         format!("{what} {name}")
     }
 
     /// Edits with equal keys set the same value of the same thing.
     pub(crate) fn merge_key(&self) -> Option<(core::mem::Discriminant<Self>, Option<LayerId>)> {
-        match self {
-            Self::AddLayer { .. } | Self::RemoveLayer { .. } | Self::Batch { .. } => None,
-            _ => Some((core::mem::discriminant(self), self.layer_id().cloned())),
-        }
+        let replaces_a_value = !matches!(
+            self,
+            Self::AddLayer { .. } | Self::RemoveLayer { .. } | Self::Batch { .. }
+        );
+        replaces_a_value.then(|| (core::mem::discriminant(self), self.layer_id().cloned()))
     }
 
     /// Memory behind it in bytes, about.

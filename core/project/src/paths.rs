@@ -61,7 +61,7 @@ fn normalise(path: &Path) -> PathBuf {
                 }
                 Some(Component::RootDir) => {}
                 Some(Component::Prefix(_) | Component::CurDir | Component::ParentDir) | None => {
-                    result.push("..")
+                    result.push("..");
                 }
             },
             Component::Prefix(_) | Component::RootDir | Component::Normal(_) => result.push(part),

@@ -1,5 +1,7 @@
 //! Edits, their inverses and the history.
 
+#![allow(clippy::unwrap_used, reason = "a test may stop")]
+
 use std::path::Path;
 
 use proptest::prelude::*;
@@ -52,6 +54,7 @@ fn layer() -> impl Strategy<Value = Layer> {
 }
 
 /// Any edit, many of which do not fit.
+#[expect(clippy::too_many_lines, reason = "one arm for each edit")]
 fn edit() -> impl Strategy<Value = Edit> {
     let value = -0.2..1.2_f64;
     let single = prop_oneof![
@@ -87,7 +90,7 @@ fn edit() -> impl Strategy<Value = Edit> {
             let georeference = Georeference {
                 crs,
                 extent: None,
-                extra: Default::default(),
+                extra: relievo_project::Extra::new(),
             };
             Edit::SetGeoreference {
                 id,
@@ -176,9 +179,10 @@ proptest! {
         let mut inverses = Vec::new();
         for edit in edits {
             let before = project.to_json();
-            match project.apply(edit) {
-                Ok(inverse) => inverses.push(inverse),
-                Err(_) => prop_assert_eq!(project.to_json(), before, "a refused edit changed something"),
+            if let Ok(inverse) = project.apply(edit) {
+                inverses.push(inverse);
+            } else {
+                prop_assert_eq!(project.to_json(), before, "a refused edit changed something");
             }
             // Every state that edits reach can be saved and opened.
             let opened = Project::from_json(&project.to_json(), Path::new("p")).unwrap();

@@ -1,5 +1,7 @@
 //! Saving and opening files.
 
+#![allow(clippy::unwrap_used, reason = "a test may stop")]
+
 use std::fs;
 use std::path::Path;
 

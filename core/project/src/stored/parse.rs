@@ -97,10 +97,7 @@ pub(crate) fn line_of(text: &str, pointer: &str) -> usize {
         }
         place = scanner.position;
     }
-    1 + text.as_bytes()[..place.min(text.len())]
-        .iter()
-        .filter(|byte| **byte == b'\n')
-        .count()
+    1 + text.get(..place).unwrap_or(text).matches('\n').count()
 }
 
 /// Walks over a text that is known to be JSON; on anything else it stops early.
@@ -180,12 +177,11 @@ impl Scanner<'_> {
                     depth += 1;
                     self.position += 1;
                 }
-                b'}' | b']' if depth == 0 => return Some(()),
+                b'}' | b']' | b',' if depth == 0 => return Some(()),
                 b'}' | b']' => {
                     depth -= 1;
                     self.position += 1;
                 }
-                b',' if depth == 0 => return Some(()),
                 _ => self.position += 1,
             }
         }

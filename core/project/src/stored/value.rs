@@ -292,7 +292,7 @@ impl Stored for [f64; 3] {
         let items = Vec::<f64>::read(value, at)?;
         items
             .try_into()
-            .map_err(|_: Vec<f64>| at.fault("an array of 3 numbers", found))
+            .map_err(|_wrong_length: Vec<f64>| at.fault("an array of 3 numbers", found))
     }
 
     fn write(&self) -> Value {

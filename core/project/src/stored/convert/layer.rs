@@ -6,7 +6,7 @@ use crate::stored::value::{Stored as _, With};
 use crate::stored::{range, v1};
 use crate::{
     Adjust, Blend, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind,
-    Noise, NoiseLayer, Resampling, Source, Tint, TintLayer, TintStop,
+    Noise, NoiseLayer, Resampling, Source, Tint, TintInterpolation, TintLayer, TintStop,
 };
 
 /// A valid id.
@@ -281,7 +281,8 @@ pub(crate) fn stored_tint(tint: &Tint) -> (Vec<With<v1::TintStop>>, Option<v1::T
             extra: stop.extra.clone(),
         }
     });
-    let interpolation = unless_default(tint.interpolation, &Default::default()).map(Into::into);
+    let interpolation =
+        unless_default(tint.interpolation, &TintInterpolation::default()).map(Into::into);
     (stops.collect(), interpolation)
 }
 

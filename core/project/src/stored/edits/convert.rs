@@ -20,6 +20,7 @@ use crate::{
 impl Twin for Edit {
     type Stored = StoredEdit;
 
+    #[expect(clippy::too_many_lines, reason = "one arm for each edit")]
     fn from_stored(stored: StoredEdit, at: &At<'_>) -> Result<Self, Fault> {
         let id = |id: String| layer_id(id, &At::Member(at, "id"));
         Ok(match stored {
@@ -147,6 +148,7 @@ impl Twin for Edit {
         })
     }
 
+    #[expect(clippy::too_many_lines, reason = "one arm for each edit")]
     fn to_stored(&self) -> StoredEdit {
         let text = |id: &LayerId| id.0.clone();
         match self {
@@ -275,9 +277,11 @@ pub(crate) fn check(edit: &Edit) -> Result<(), Fault> {
 
 /// An added layer that claims to be unknown but names a known kind could not be read back as it is.
 fn unknown_layers_are_unknown(edit: &Edit) -> Result<(), Fault> {
-    match edit {
-        Edit::Batch { edits, .. } => edits.iter().try_for_each(unknown_layers_are_unknown),
-        Edit::AddLayer { layer, .. } => unknown_is_unknown(layer),
-        _ => Ok(()),
+    if let Edit::Batch { edits, .. } = edit {
+        edits.iter().try_for_each(unknown_layers_are_unknown)?;
     }
+    if let Edit::AddLayer { layer, .. } = edit {
+        unknown_is_unknown(layer)?;
+    }
+    Ok(())
 }
