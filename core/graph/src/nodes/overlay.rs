@@ -1,7 +1,7 @@
 //! Colours over colours.
 
 use relievo_planet::Grid;
-use relievo_raster::colour::{linear_from_srgb, srgb_from_linear};
+use relievo_raster::colour::Transfer;
 use relievo_raster::{Bands, Block};
 
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
@@ -92,7 +92,7 @@ impl Overlay {
     }
 
     #[inline]
-    fn composite(&self, base: [f32; 4], top: [f32; 4], weight: f32) -> [f32; 4] {
+    fn composite(&self, transfer: Transfer, base: [f32; 4], top: [f32; 4], weight: f32) -> [f32; 4] {
         let [br, bg, bb, ab] = base;
         let at = top[3] * weight;
         if at <= 0.0 || at.is_nan() {
@@ -109,14 +109,14 @@ impl Overlay {
         }
         let alpha = if ab >= 1.0 { ab } else { at + ab * (1.0 - at) };
         let [r, g, b] = channels.map(|(b, t)| {
-            let top = linear_from_srgb(t);
+            let top = transfer.decode(t);
             let met = if self.mode == BlendMode::Normal {
                 top
             } else {
-                let blended = linear_from_srgb(self.mode.blend(b, t));
+                let blended = transfer.decode(self.mode.blend(b, t));
                 top + ab * (blended - top)
             };
-            srgb_from_linear((at * met + (1.0 - at) * ab * linear_from_srgb(b)) / alpha)
+            transfer.encode((at * met + (1.0 - at) * ab * transfer.decode(b)) / alpha)
         });
         [r, g, b, alpha]
     }
@@ -155,7 +155,7 @@ impl ImageNode for Overlay {
         if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) =
             (inputs[0], inputs[1], mask)
         {
-            return Known::Uniform(self.composite(base, top, self.opacity * mask));
+            return Known::Uniform(self.composite(Transfer::srgb(), base, top, self.opacity * mask));
         }
         let covered = self.opacity == 1.0
             && inputs[1].is_complete(Bands::Colour)
@@ -183,10 +183,11 @@ impl ImageNode for Overlay {
         let mask = self.masked.then(|| inputs[2].plane(0));
         let [bp, tp]: [[&[f32]; 4]; 2] =
             [base, top].map(|block| core::array::from_fn(|plane| block.plane(plane)));
+        let transfer = Transfer::srgb();
         let [r, g, b, a] = out.planes_mut();
         for i in 0..a.len() {
             let weight = mask.map_or(self.opacity, |m| self.opacity * m[i]);
-            [r[i], g[i], b[i], a[i]] = self.composite(bp.map(|p| p[i]), tp.map(|p| p[i]), weight);
+            [r[i], g[i], b[i], a[i]] = self.composite(transfer, bp.map(|p| p[i]), tp.map(|p| p[i]), weight);
         }
         Ok(())
     }
@@ -195,6 +196,8 @@ impl ImageNode for Overlay {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+
+    use relievo_raster::colour::{linear_from_srgb, srgb_from_linear};
 
     use super::*;
 
@@ -218,31 +221,31 @@ mod tests {
         #[test]
         fn a_weight_of_nothing_gives_the_base_to_the_bit(base in colours(), top in colours(), mode in 0..5_usize) {
             let node = Overlay::new(MODES[mode], 1.0, true);
-            prop_assert_eq!(node.composite(base, top, 0.0), base);
-            prop_assert_eq!(node.composite(base, [0.0; 4], 1.0), base);
+            prop_assert_eq!(node.composite(Transfer::srgb(), base, top, 0.0), base);
+            prop_assert_eq!(node.composite(Transfer::srgb(), base, [0.0; 4], 1.0), base);
         }
 
         #[test]
         fn an_opaque_top_in_normal_mode_hides_the_base_to_the_bit(base in colours(), top in colours()) {
             let opaque = [top[0], top[1], top[2], 1.0];
-            prop_assert_eq!(Overlay::new(BlendMode::Normal, 1.0, false).composite(base, opaque, 1.0), opaque);
+            prop_assert_eq!(Overlay::new(BlendMode::Normal, 1.0, false).composite(Transfer::srgb(), base, opaque, 1.0), opaque);
         }
 
         #[test]
         fn nothing_below_leaves_the_top_to_the_bit(top in colours(), mode in 0..5_usize) {
-            prop_assert_eq!(Overlay::new(MODES[mode], 1.0, false).composite([0.0; 4], top, 1.0), top);
+            prop_assert_eq!(Overlay::new(MODES[mode], 1.0, false).composite(Transfer::srgb(), [0.0; 4], top, 1.0), top);
         }
 
         #[test]
         fn an_opaque_base_stays_opaque(base in colours(), top in colours(), w in 0.0..1.0_f32, mode in 0..5_usize) {
             let base = [base[0], base[1], base[2], 1.0];
-            prop_assert_eq!(Overlay::new(MODES[mode], w, false).composite(base, top, w)[3], 1.0);
+            prop_assert_eq!(Overlay::new(MODES[mode], w, false).composite(Transfer::srgb(), base, top, w)[3], 1.0);
         }
 
         #[test]
         fn normal_mode_agrees_with_premultiplied_over(base in colours(), top in colours(), w in 0.0..1.0_f32) {
             let node = Overlay::new(BlendMode::Normal, w, false);
-            let mixed = node.composite(base, top, w);
+            let mixed = node.composite(Transfer::srgb(), base, top, w);
             let at = top[3] * w;
             let alpha = at + base[3] * (1.0 - at);
             prop_assume!(alpha > 0.01);
