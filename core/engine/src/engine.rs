@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 use relievo_graph::ContentId;
-use relievo_planet::clipmap::plan::{PlanInput, Quality};
+use relievo_planet::clipmap::plan::{HeightRange, PlanInput, Quality};
 use relievo_planet::clipmap::{ClipKind as PlanKind, Plan, Planner};
 use relievo_planet::{Camera, MapPoint, TileKey};
 use relievo_project::{
@@ -23,7 +23,7 @@ use crate::query::Questions;
 use crate::residency::Stack;
 use crate::scene::Scene;
 use crate::sources::Sources;
-use crate::terrain;
+use crate::terrain::{self, Bounds};
 use crate::view::View;
 
 /// Side of the height windows in samples: a tile, which holds the whole circle near a pole.
@@ -112,6 +112,8 @@ pub struct Engine {
     view: Option<View>,
     planner: Planner,
     plan: Option<Arc<Plan>>,
+    /// The ground that the plan was made for.
+    planned_on: (Bounds, f64),
     stacks: Stacks,
     /// Finished tiles that no window has taken yet.
     arrived: HashMap<ContentId, TileState>,
@@ -176,6 +178,7 @@ impl Engine {
             view: None,
             planner: Planner::default(),
             plan: None,
+            planned_on: (Bounds(HeightRange { min_m: 0.0, max_m: 0.0 }), 0.0),
             stacks: Stacks {
                 height: Stack::new(ClipKind::Height),
                 colour: Stack::new(ClipKind::Colour),
@@ -342,17 +345,23 @@ impl Engine {
         let mut budget = if ready || dt_s.is_infinite() { usize::MAX } else { UPLOADS_PER_FRAME };
         self.update_windows(&mut budget, &mut uploads, dt_s);
         self.ask();
+        // New heights can move the focus and uncover ground, and windows take their final shape step by
+        // step: the plan must fit what it led to.
+        self.dirty |= self.plan.as_ref().is_some_and(|p| !p.settled);
+        if uploads.iter().any(|u| u.clipmap == ClipKind::Height) && self.ground(&view) != self.planned_on {
+            self.dirty = true;
+        }
         Some(self.frame(&view, uploads))
     }
 
-    /// Waits until a finished tile or an opened file is there to drain, or the time is over. For
-    /// offline work only.
-    pub fn wait(&self, timeout: Duration) {
+    /// Waits until a finished tile or an opened file is there to drain, or the time is over; `true`
+    /// when all work that was asked for is done. For offline work only.
+    pub fn wait(&self, timeout: Duration) -> bool {
         if self.sources.opening() > 0 {
             self.sources.wait(timeout.min(Duration::from_millis(50)));
-        } else {
-            self.tiles.wait(timeout);
+            return false;
         }
+        self.tiles.wait(timeout)
     }
 
     /// Whether files are still being opened or a revision is being made.
@@ -476,14 +485,21 @@ impl Engine {
         }
     }
 
+    /// What a plan depends on beside the view: bounds of the drawn terrain, and its height below the
+    /// eye.
+    fn ground(&self, view: &View) -> (Bounds, f64) {
+        (terrain::bounds(&self.stacks.height), self.ground_m(view.camera.map_point()))
+    }
+
     fn replan(&mut self, view: &View) {
         if !self.dirty && self.plan.as_ref().is_some_and(|p| p.settled) {
             return;
         }
         let settings = &self.project.planet;
         let planet = settings.body.figure();
-        let terrain = terrain::bounds(&self.stacks.height);
-        let below = MapPoint::new(view.camera.lon_rad, core::f64::consts::FRAC_PI_2 - view.camera.lat_rad);
+        let below = view.camera.map_point();
+        let (terrain, ground_m) = self.ground(view);
+        self.planned_on = (terrain, ground_m);
         let near = self.plan.as_ref().map_or(below, |p| p.focus);
         let target = self.target();
         let finest_height = target.finest_near(near, HEIGHT_WINDOW);
@@ -492,7 +508,7 @@ impl Engine {
             camera: view.camera,
             planet,
             viewport_px: view.viewport_px,
-            ground_m: self.ground_m(below),
+            ground_m,
             terrain: &terrain,
             exaggeration: settings.vertical_exaggeration,
             quality: Quality {
@@ -583,7 +599,7 @@ impl Engine {
             normals: self.stacks.normal.views(),
             sun: sun(&self.project, &view.camera),
             uploads,
-            pending: self.pending + usize::from(self.is_busy()),
+            pending: self.pending + usize::from(self.is_busy() || self.dirty),
             plan,
         }
     }

@@ -124,13 +124,11 @@ impl Stack {
             .collect()
     }
 
-    /// Tiles that are resident, finest level first.
-    pub(crate) fn tiles(&self) -> impl Iterator<Item = (TileKey, &Arc<Tile>)> {
-        self.levels.iter().rev().flat_map(|l| {
-            let mut tiles: Vec<_> = l.slots.iter().filter_map(|(k, s)| Some((*k, s.tile.as_ref()?))).collect();
-            tiles.sort_unstable_by_key(|(k, _)| *k);
-            tiles
-        })
+    /// Lowest and highest height of the resident tiles; `None` without any.
+    pub(crate) fn height_range_m(&self) -> Option<(f32, f32)> {
+        let slots = self.levels.iter().flat_map(|l| l.slots.values());
+        let ranges = slots.filter_map(|s| s.tile.as_ref()?.height_range_m());
+        ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     /// The finest resident tile that holds a map point, with the point's position in it in samples.

@@ -22,14 +22,8 @@ impl TerrainBounds for Bounds {
 
 /// Lowest and highest height of any resident tile; the datum while there is none.
 pub(crate) fn bounds(heights: &Stack) -> Bounds {
-    let mut range = HeightRange { min_m: 0.0, max_m: 0.0 };
-    for (_, tile) in heights.tiles() {
-        if let Some((low, high)) = tile.height_range_m() {
-            range.min_m = range.min_m.min(f64::from(low));
-            range.max_m = range.max_m.max(f64::from(high));
-        }
-    }
-    Bounds(range)
+    let (low, high) = heights.height_range_m().unwrap_or((0.0, 0.0));
+    Bounds(HeightRange { min_m: f64::from(low).min(0.0), max_m: f64::from(high).max(0.0) })
 }
 
 /// Height of the ground at a point in metres without exaggeration, bilinear in the finest resident

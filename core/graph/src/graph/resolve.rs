@@ -283,8 +283,12 @@ impl<'a> Resolver<'a> {
     fn cut_id(&mut self, node: NodeIndex, at: usize) -> ContentId {
         let mut id = IdHasher::default();
         let stored = self.graph.entry(node).cut.expect("a cut point");
-        id.bytes(b"cut").int(type_tag(stored));
         let raw = self.raw(node, at).source;
+        if let (SampleType::Rgba32F, Source::Raw(_)) = (stored, raw) {
+            // Colours kept exactly are what the node gives: a pin renames nothing that reads it.
+            return self.known_id(raw, at).expect("inputs are named first");
+        }
+        id.bytes(b"cut").int(type_tag(stored));
         self.add(raw, at, &mut id);
         id.finish()
     }
@@ -457,7 +461,7 @@ fn rounded(graph: &Graph, node: NodeIndex, raw: Value) -> Value {
                 known: Known::Uniform(value),
             }
         }
-        Source::Cut(inner) if graph.entry(inner).cut == Some(to) => raw,
+        Source::Cut(inner) if graph.entry(inner).cut == Some(to) || to == SampleType::Rgba32F => raw,
         Source::Raw(_) | Source::Cut(_) => Value {
             source: Source::Cut(node),
             known: raw.known,

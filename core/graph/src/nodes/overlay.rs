@@ -197,7 +197,7 @@ impl ImageNode for Overlay {
 mod tests {
     use proptest::prelude::*;
 
-    use relievo_raster::colour::{linear_from_srgb, srgb_from_linear};
+    use relievo_raster::colour::linear_from_srgb;
 
     use super::*;
 
