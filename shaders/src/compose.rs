@@ -20,7 +20,7 @@ pub enum Entry {
     Sky,
     /// `blit_vertex`, `blit_fragment`: copies the picture into another target.
     Blit,
-    /// `measure`: evaluates the map transform on the device (compute).
+    /// `measure`, `choose`: evaluate the map transform and the choice of levels (compute).
     Measure,
 }
 

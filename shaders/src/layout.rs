@@ -101,10 +101,10 @@ pub struct DisplaceRange {
 pub struct MeasureInput {
     /// (sin, cos) of the focus' colatitude.
     pub sin_cos_colat: [f32; 2],
-    /// Number of vertices.
+    /// Number of queries.
     pub count: u32,
-    /// Padding.
-    pub unused: u32,
+    /// Number of levels to choose from.
+    pub levels: u32,
 }
 
 /// A vertex of the static rings as displacement reads it and the terrain pass interpolates it.

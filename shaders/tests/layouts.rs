@@ -51,6 +51,6 @@ fn the_level_uniform_has_the_offsets_wgsl_gives_it() {
 #[test]
 fn the_small_uniforms_have_the_offsets_wgsl_gives_them() {
     assert_eq!(naga_members(Entry::Displace, "DisplaceRange"), members!(DisplaceRange { first, count }));
-    let rust: Members = members!(MeasureInput { sin_cos_colat, count, unused });
+    let rust: Members = members!(MeasureInput { sin_cos_colat, count, levels });
     assert_eq!(naga_members(Entry::Measure, "MeasureInput"), rust);
 }

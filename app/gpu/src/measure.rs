@@ -1,37 +1,52 @@
-//! Evaluates the shaders' map transform on the device, to measure its error there.
+//! Evaluates the shaders' map transform and choice of levels on the device, to measure its error
+//! and to compare them with their twins.
 
 use glam::{DVec2, Vec2};
 use relievo_engine::planet::MapPoint;
+use relievo_engine::planet::clipmap::choose::{LevelChoice, LevelView};
 use relievo_engine::planet::clipmap::rings::KAPPA;
 use relievo_engine::planet::transform::{FocusFrame, RingVertex, map_delta_f64};
 use relievo_shaders::Entry;
-use relievo_shaders::layout::MeasureInput;
+use relievo_shaders::layout::{LEVEL_SLOTS, LevelUniform, MAX_LEVELS, MeasureInput};
 use wgpu::util::DeviceExt;
 
 use crate::bind;
 use crate::device::Gpu;
 use crate::readback::{self, ReadError};
 
-/// The measuring pipeline. Immutable.
+/// The measuring pipelines. Immutable.
 #[derive(Debug)]
 pub struct TransformMeter {
-    pipeline: wgpu::ComputePipeline,
+    measure: wgpu::ComputePipeline,
+    choose: wgpu::ComputePipeline,
+}
+
+/// A place and the size it is seen at, for which levels are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChoiceQuery {
+    /// Δφ, Δθ from the focus, radians.
+    pub delta_rad: Vec2,
+    /// Footprint of the fragment, radians.
+    pub footprint_rad: f32,
+    /// Index of the ring's level minus the vertex's rim weight.
+    pub level_minus_rim: f32,
 }
 
 impl TransformMeter {
     /// The meter on a device.
     pub fn new(device: &wgpu::Device) -> Self {
         let module = bind::module(device, Entry::Measure);
-        Self {
-            pipeline: device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let pipeline = |entry| {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("measure/pipeline"),
                 layout: None,
                 module: &module,
-                entry_point: Some("measure"),
+                entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
-            }),
-        }
+            })
+        };
+        Self { measure: pipeline("measure"), choose: pipeline("choose") }
     }
 
     /// (Δφ, Δθ) in radians of vertices (u, v, 1 − w) around a focus, as the device computes them.
@@ -42,40 +57,38 @@ impl TransformMeter {
     /// # Panics
     /// With more than a million vertices.
     pub fn map_deltas(&self, gpu: &Gpu, vertices: &[[f32; 3]], sin_cos_colat: Vec2) -> Result<Vec<Vec2>, ReadError> {
-        assert!(vertices.len() <= 1_000_000, "at most a million vertices at once");
-        if vertices.is_empty() {
-            return Ok(Vec::new());
-        }
-        let device = &gpu.device;
-        let padded: Vec<[f32; 4]> = vertices.iter().map(|[u, v, w]| [*u, *v, *w, 0.0]).collect();
-        let buffer = |label, contents: &[u8], usage| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
-        };
-        let input = MeasureInput { sin_cos_colat: sin_cos_colat.to_array(), count: vertices.len() as u32, unused: 0 };
-        let input = buffer("measure/input", bytemuck::bytes_of(&input), wgpu::BufferUsages::UNIFORM);
-        let stored = buffer("measure/vertices", bytemuck::cast_slice(&padded), wgpu::BufferUsages::STORAGE);
-        let results = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("measure/results"),
-            size: stored.size(),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("measure/group"),
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &[bind::whole(0, &input), bind::whole(1, &stored), bind::whole(2, &results)],
-        });
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("measure/encoder") });
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups((vertices.len() as u32).div_ceil(64), 1, 1);
-        }
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = readback::contents(device, &gpu.queue, &results)?;
-        let results: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let queries: Vec<[f32; 4]> = vertices.iter().map(|[u, v, w]| [*u, *v, *w, 0.0]).collect();
+        let input = MeasureInput { sin_cos_colat: sin_cos_colat.to_array(), ..MeasureInput::default() };
+        let results = evaluate(gpu, &self.measure, input, &queries, 1, None)?;
         Ok(results.into_iter().map(|[lon, colat, ..]| Vec2::new(lon, colat)).collect())
+    }
+
+    /// The levels that the device chooses, for a colour and for a height.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    ///
+    /// # Panics
+    /// With more than a million queries or too many levels.
+    pub fn choices(
+        &self,
+        gpu: &Gpu,
+        levels: &[LevelView],
+        queries: &[ChoiceQuery],
+    ) -> Result<Vec<[Option<LevelChoice>; 2]>, ReadError> {
+        assert!(levels.len() <= MAX_LEVELS, "at most {MAX_LEVELS} levels");
+        let mut slots = vec![LevelUniform::default(); LEVEL_SLOTS];
+        for (slot, level) in slots.iter_mut().zip(levels) {
+            *slot = LevelUniform::new(level, [256; 2], 0);
+        }
+        let queries: Vec<[f32; 4]> =
+            queries.iter().map(|q| [q.delta_rad.x, q.delta_rad.y, q.footprint_rad, q.level_minus_rim]).collect();
+        let input = MeasureInput { levels: levels.len() as u32, ..MeasureInput::default() };
+        let results = evaluate(gpu, &self.choose, input, &queries, 2, Some(&slots))?;
+        let choice = |[fine, coarse, coarse_weight, some]: [f32; 4]| {
+            (some > 0.0).then_some(LevelChoice { fine: fine as usize, coarse: coarse as usize, coarse_weight })
+        };
+        Ok(results.chunks_exact(2).map(|pair| [choice(pair[0]), choice(pair[1])]).collect())
     }
 
     /// Largest error on the ground of the transform on this device, as a part of the radius of
@@ -104,6 +117,52 @@ impl TransformMeter {
         });
         Ok(worst.fold(0.0, f64::max) / ring_rad)
     }
+}
+
+/// Runs a pipeline over queries; `results` vectors come back for each.
+fn evaluate(
+    gpu: &Gpu,
+    pipeline: &wgpu::ComputePipeline,
+    input: MeasureInput,
+    queries: &[[f32; 4]],
+    results: u64,
+    levels: Option<&[LevelUniform]>,
+) -> Result<Vec<[f32; 4]>, ReadError> {
+    assert!(queries.len() <= 1_000_000, "at most a million queries at once");
+    if queries.is_empty() {
+        return Ok(Vec::new());
+    }
+    let device = &gpu.device;
+    let buffer = |label, contents: &[u8], usage| {
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+    };
+    let input = MeasureInput { count: queries.len() as u32, ..input };
+    let input = buffer("measure/input", bytemuck::bytes_of(&input), wgpu::BufferUsages::UNIFORM);
+    let stored = buffer("measure/queries", bytemuck::cast_slice(queries), wgpu::BufferUsages::STORAGE);
+    let levels = levels.map(|l| buffer("measure/levels", bytemuck::cast_slice(l), wgpu::BufferUsages::UNIFORM));
+    let found = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("measure/results"),
+        size: stored.size() * results,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let mut entries = vec![bind::whole(0, &input), bind::whole(1, &stored), bind::whole(2, &found)];
+    entries.extend(levels.as_ref().map(|levels| bind::whole(3, levels)));
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("measure/group"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("measure/encoder") });
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups((queries.len() as u32).div_ceil(64), 1, 1);
+    }
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = readback::contents(device, &gpu.queue, &found)?;
+    Ok(bytemuck::pod_collect_to_vec(&bytes))
 }
 
 /// Distance on the unit sphere between two places given relative to a focus.

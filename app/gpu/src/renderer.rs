@@ -165,7 +165,12 @@ impl Renderer {
         if let Some(timer) = &mut self.timer {
             timer.advance();
         }
-        let uploaded_bytes = self.store(frame)?;
+        let stored = self.store(frame);
+        if stored.is_err() {
+            // What came before the error is on the device already.
+            self.drawn = None;
+        }
+        let uploaded_bytes = stored?;
         let resized = self.resize(frame.viewport_px);
         let uniform = frame_uniform(frame, self.targets.size_px(), self.look);
         let levels = Box::new(level_uniforms(frame));
@@ -244,24 +249,19 @@ impl Renderer {
 
     /// Makes room for a frame's levels and stores its uploads; returns the bytes sent.
     fn store(&mut self, frame: &Frame) -> Result<u64, UploadError> {
-        let mut replaced = [false; 3];
         let stacks = [
             (&mut self.heights, ClipKind::Height, &frame.heights, frame.height_window),
             (&mut self.colours, ClipKind::Colour, &frame.colours, frame.colour_window),
             (&mut self.normals, ClipKind::Normal, &frame.normals, frame.colour_window),
         ];
-        let mut sent = 0;
+        let most = self.device.limits().max_texture_array_layers;
+        let mut replaced = [false; 3];
         for ((texture, kind, levels, window), replaced) in stacks.into_iter().zip(&mut replaced) {
-            let uploads = || frame.uploads.iter().filter(|u| u.clipmap == kind);
-            let layers = levels.iter().map(|l| l.layer).chain(uploads().map(|u| u.layer)).max();
-            let Some(last) = layers else { continue };
-            let most = self.device.limits().max_texture_array_layers;
-            if last >= most {
-                return Err(UploadError::Outside { clipmap: kind, layer: last });
-            }
-            *replaced = texture.reserve(&self.device, &self.queue, window, last + 1);
-            for upload in uploads() {
-                sent += texture.upload(&self.queue, upload, columns_around(levels, upload.layer, window))?;
+            let uploaded = frame.uploads.iter().filter(|u| u.clipmap == kind).map(|u| u.layer);
+            // Layers beyond the device's are refused below, one by one.
+            let layers = levels.iter().map(|l| l.layer).chain(uploaded).filter(|layer| *layer < most);
+            if let Some(last) = layers.max() {
+                *replaced = texture.reserve(&self.device, &self.queue, window, last + 1);
             }
         }
         if replaced[0] {
@@ -272,6 +272,16 @@ impl Renderer {
         }
         if replaced.contains(&true) {
             self.drawn = None;
+        }
+        let mut sent = 0;
+        for upload in &frame.uploads {
+            let (texture, levels) = match upload.clipmap {
+                ClipKind::Height => (&self.heights, &frame.heights),
+                ClipKind::Colour => (&self.colours, &frame.colours),
+                ClipKind::Normal => (&self.normals, &frame.normals),
+            };
+            let around = columns_around(levels, upload.layer, texture.window());
+            sent += texture.upload(&self.queue, upload, around)?;
         }
         Ok(sent)
     }
