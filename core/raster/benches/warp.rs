@@ -27,7 +27,13 @@ impl RasterFile for Memory {
         [0; 32]
     }
 
-    fn read(&self, overview: usize, rect: PixelRect, out: &mut Block, _: &Cancel) -> Result<(), ReadError> {
+    fn read(
+        &self,
+        overview: usize,
+        rect: PixelRect,
+        out: &mut Block,
+        _: &Cancel,
+    ) -> Result<(), ReadError> {
         let level = &self.levels[overview];
         let size = (rect.width as usize, rect.height as usize);
         out.reshape(level.bands(), size.0, size.1);
@@ -53,7 +59,10 @@ fn file() -> Arc<dyn RasterFile> {
             format: "memory",
             overviews: levels
                 .iter()
-                .map(|b| OverviewInfo { width: b.width() as u32, height: b.height() as u32 })
+                .map(|b| OverviewInfo {
+                    width: b.width() as u32,
+                    height: b.height() as u32,
+                })
                 .collect(),
             bands: Bands::Height,
             band_count: 1,
@@ -63,7 +72,14 @@ fn file() -> Arc<dyn RasterFile> {
             nodata: None,
             georeference: Some(Georeference {
                 crs: "EPSG:32612".into(),
-                plane_from_pixel: [457_000.0 - half_m, 30.0, 0.0, 4_483_000.0 + half_m, 0.0, -30.0],
+                plane_from_pixel: [
+                    457_000.0 - half_m,
+                    30.0,
+                    0.0,
+                    4_483_000.0 + half_m,
+                    0.0,
+                    -30.0,
+                ],
             }),
         },
         levels,
@@ -73,8 +89,13 @@ fn file() -> Arc<dyn RasterFile> {
 /// The tile of a level at the middle of the file.
 fn grid(n: u8) -> Grid {
     let level = LevelKey::new(n + 1, n);
-    let at = level.sample_from_map(MapPoint::from_degrees(-111.5, 40.5)).as_i64vec2() / 256;
-    TileKey::new(level, at.x, at.y).expect("inside the level").grid()
+    let at = level
+        .sample_from_map(MapPoint::from_degrees(-111.5, 40.5))
+        .as_i64vec2()
+        / 256;
+    TileKey::new(level, at.x, at.y)
+        .expect("inside the level")
+        .grid()
 }
 
 fn warp(c: &mut Criterion) {

@@ -1,7 +1,7 @@
 //! Decoded chunks of files, shared by all files and threads, bounded in bytes.
 
 use std::collections::{HashMap, VecDeque};
-use std::hash::{BuildHasher, Hash, Hasher, RandomState};
+use std::hash::{BuildHasher, RandomState};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -91,9 +91,7 @@ impl ChunkCache {
         key: ChunkKey,
         decode: impl FnOnce() -> Result<Option<super::geotiff::Chunk>, E>,
     ) -> Result<Option<Arc<super::geotiff::Chunk>>, E> {
-        let mut hash = self.hasher.build_hasher();
-        key.hash(&mut hash);
-        let shard = &self.shards[hash.finish() as usize % SHARDS];
+        let shard = &self.shards[self.hasher.hash_one(key) as usize % SHARDS];
         let slot = shard.lock().touch(key);
         let mut content = slot.lock();
         if let Some(chunk) = &*content {

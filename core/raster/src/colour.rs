@@ -64,7 +64,10 @@ pub struct Transfer {
 impl Transfer {
     /// The transfer function of sRGB.
     pub fn srgb() -> Self {
-        Self { decode: &DECODE, encode: &ENCODE }
+        Self {
+            decode: &DECODE,
+            encode: &ENCODE,
+        }
     }
 
     /// Linear light of an encoded value, 0 to 1 for ordinary colours.

@@ -113,10 +113,9 @@ impl Crs {
         let proj_string = if name.starts_with('+') {
             name.to_owned()
         } else if let Some((authority, code)) = name.split_once(':') {
-            let code: u32 = code
-                .trim()
-                .parse()
-                .map_err(|_: core::num::ParseIntError| form(name))?;
+            let Ok(code) = code.trim().parse::<u32>() else {
+                return Err(form(name));
+            };
             let found = match authority.trim().to_ascii_uppercase().as_str() {
                 "EPSG" => u16::try_from(code)
                     .ok()
@@ -147,7 +146,8 @@ impl Crs {
                 "expected positive radii, found {a_m} and {b_m} m"
             )));
         }
-        if !proj.is_latlong() && !(proj.has_inverse() && proj.has_forward()) {
+        let both_ways = proj.has_inverse() && proj.has_forward();
+        if !(proj.is_latlong() || both_ways) {
             return Err(unsupported(format!(
                 "the projection {} does not go both ways",
                 proj.projname()

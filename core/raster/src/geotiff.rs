@@ -35,6 +35,7 @@ use layout::{Layout, SampleFormat, compression_name, photometric};
 use meaning::{Choice, HeightScale, MeaningError};
 use metadata::BandMetadata;
 use samples::{BandView, Colours, Heights, Meaning, Window};
+use stretch::Numbers;
 
 /// The format's name in messages.
 const FORMAT: &str = "GeoTIFF";
@@ -197,9 +198,15 @@ impl GeoTiff {
     /// The range to show, from samples spread over the coarsest level.
     fn stretch(&self, colours: &Colours, stretch: Stretch) -> Result<Option<(f64, f64)>, Fault> {
         let layout = &self.levels[0].image;
-        let (eight_bits, float) = (layout.bits <= 8, layout.format == SampleFormat::Float);
+        let numbers = if layout.format == SampleFormat::Float {
+            Numbers::Floats
+        } else if layout.bits <= 8 {
+            Numbers::Bytes
+        } else {
+            Numbers::Integers
+        };
         let needed = match stretch {
-            Stretch::Auto => !eight_bits,
+            Stretch::Auto => numbers != Numbers::Bytes,
             Stretch::Full => false,
             Stretch::MinMax | Stretch::Percentile { .. } | Stretch::Range { .. } => true,
         };
@@ -212,13 +219,7 @@ impl GeoTiff {
             colours.range.0.min(colours.range.1),
             colours.range.0.max(colours.range.1),
         );
-        Ok(stretch::range(
-            &mut values,
-            stretch,
-            full,
-            eight_bits,
-            float,
-        ))
+        Ok(stretch::range(&mut values, stretch, full, numbers))
     }
 
     fn spread_values(&self, colours: &Colours) -> Result<Vec<f64>, Fault> {
@@ -372,7 +373,9 @@ impl GeoTiff {
         });
         for plane in 0..out.bands().planes() {
             let samples = out.plane_mut(plane);
-            holes.iter().for_each(|i| samples[*i] = empty);
+            for i in &holes {
+                samples[*i] = empty;
+            }
         }
         Ok(())
     }
@@ -525,7 +528,7 @@ fn levels(file: &TiffBytes, directories: &[Ifd]) -> Result<Vec<Level>, Fault> {
         } else if kind & REDUCED != 0 {
             match Layout::read(file, ifd) {
                 Ok(image) if is_overview(&image, &levels) => {
-                    levels.push(Level { image, mask: None })
+                    levels.push(Level { image, mask: None });
                 }
                 // Thumbnails and overviews that nothing here reads can be made again.
                 Ok(_) | Err(Fault::Unsupported(_)) => {}

@@ -78,7 +78,7 @@ impl Window<'_> {
                 _ if self.has_holes => self.with_holes(plane, footprint, x, y, row),
                 Kernel::Bicubic if magnifies => self.taps(plane, x, y, row, keys, keys),
                 _ if magnifies => self.bilinear(plane, x, y, row),
-                _ => {
+                Kernel::Bilinear | Kernel::Bicubic => {
                     let (rx, ry) = (1.0 / footprint.radius_x, 1.0 / footprint.radius_y);
                     self.taps(plane, x, y, row, |f| tent(f, rx), |f| tent(f, ry));
                 }

@@ -234,7 +234,12 @@ impl Picture {
                         reason,
                         path,
                     },
-                    other => ReadError::Damaged {
+                    other @ (OpenError::UnknownFormat { .. }
+                    | OpenError::Unsupported { .. }
+                    | OpenError::Companion { .. }
+                    | OpenError::Options { .. }
+                    | OpenError::Pyramid { .. }
+                    | OpenError::Cancelled { .. }) => ReadError::Damaged {
                         format: self.format.name(),
                         reason: other.to_string(),
                         path: path.clone(),
@@ -303,6 +308,10 @@ impl RasterFile for Picture {
             width: size.width as usize,
             rect,
         };
+        #[expect(
+            clippy::wildcard_enum_match_arm,
+            reason = "the decoder's enum may grow, and what else there is converts alike"
+        )]
         match self.pixels()? {
             DynamicImage::ImageLuma8(p) => place.copy(p, |[v]: [u8; 1]| grey(v, 255), out),
             DynamicImage::ImageLumaA8(p) => place.copy(

@@ -167,7 +167,7 @@ impl Plan<'_> {
                 Ok(tiff) => return Ok(tiff),
                 Err(Trouble::Read(error)) => return Err(OpenError::from_read(error, source)),
                 Err(Trouble::Write(reason)) => {
-                    tracing::warn!(%reason, ?folder, "keeping a pyramid in memory")
+                    tracing::warn!(%reason, ?folder, "keeping a pyramid in memory");
                 }
             }
         }
@@ -258,6 +258,9 @@ enum Trouble {
     Write(String),
 }
 
+/// An encoded tile; `None` where nothing is to be stored.
+type MadeTile = Result<Option<Vec<u8>>, Trouble>;
+
 /// Where the finer level of a step is.
 #[derive(Clone, Copy)]
 enum From {
@@ -282,7 +285,7 @@ impl Step<'_> {
         writer: &Writer,
     ) -> Result<Vec<Option<Vec<u8>>>, Trouble> {
         let next = AtomicUsize::new(0);
-        let made: Mutex<Vec<Option<Result<Option<Vec<u8>>, Trouble>>>> =
+        let made: Mutex<Vec<Option<MadeTile>>> =
             Mutex::new((0..batch.len()).map(|_| None).collect());
         let work = || {
             let mut scratch = Block::new(self.base.info().bands, 0, 0);

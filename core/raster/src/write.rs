@@ -7,7 +7,7 @@ mod picture;
 
 use std::path::{Path, PathBuf};
 
-pub use cog::{CogLayout, CogSamples, write_cog};
+pub use cog::{CogLayout, CogSamples, CogSource, write_cog};
 pub use picture::{Png, write_png};
 
 /// Why a file was not written. Nothing is left behind.

@@ -231,7 +231,7 @@ fn rgb_from_ycbcr(samples: &mut [u8], per_pixel: usize) {
         let cb = f32::from(pixel[1]) - 128.0;
         let cr = f32::from(pixel[2]) - 128.0;
         pixel[0] = (y + 1.402 * cr + 0.5) as u8;
-        pixel[1] = (y - 0.344_136_29 * cb - 0.714_136_3 * cr + 0.5) as u8;
+        pixel[1] = (y - 0.344_136_3 * cb - 0.714_136_3 * cr + 0.5) as u8;
         pixel[2] = (y + 1.772 * cb + 0.5) as u8;
     }
 }

@@ -26,7 +26,9 @@ impl Placement {
                 affine[3] -= 0.5 * (affine[4] + affine[5]);
             }
             let degrees = keys.degrees_per_unit();
-            affine.iter_mut().for_each(|v| *v *= degrees);
+            for v in affine.iter_mut() {
+                *v *= degrees;
+            }
             check_affine(affine).map_err(Fault::Damaged)?;
         }
         Ok(Self {

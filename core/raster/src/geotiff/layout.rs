@@ -78,39 +78,14 @@ impl Layout {
                 .or_else(|_| damaged(format!("expected tag {tag} below 65536, found {value}")))
         };
         let samples = short(tag::SAMPLES_PER_PIXEL, 1)?;
-        let bits = uniform(file, ifd, tag::BITS_PER_SAMPLE, 1, "bits per sample")?;
-        let format = match uniform(file, ifd, tag::SAMPLE_FORMAT, 1, "sample format")? {
-            // 4 is "undefined", which means unsigned in practice.
-            1 | 4 => SampleFormat::Unsigned,
-            2 => SampleFormat::Signed,
-            3 => SampleFormat::Float,
-            5 | 6 => return unsupported("expected real samples, found complex ones"),
-            other => return damaged(format!("expected a sample format 1 to 6, found {other}")),
-        };
-        match (format, bits) {
-            (SampleFormat::Unsigned, 1 | 2 | 4 | 8 | 16 | 32 | 64)
-            | (SampleFormat::Signed, 8 | 16 | 32 | 64)
-            | (SampleFormat::Float, 16 | 32 | 64) => {}
-            _ => {
-                return unsupported(format!(
-                    "expected integers of 1, 2, 4, 8, 16, 32 or 64 bits or floats of 16, 32 or 64, found {bits}-bit {format:?} samples"
-                ));
-            }
-        }
+        let (format, bits) = sample_format(file, ifd)?;
         if samples == 0 {
             return damaged("expected at least one sample a pixel, found 0");
         }
         let compression = short(tag::COMPRESSION, compression::NONE)?;
         check_compression(compression)?;
         let predictor = short(tag::PREDICTOR, 1)?;
-        match (predictor, format, bits) {
-            (1, ..) | (2, _, 8..) | (3, SampleFormat::Float, _) => {}
-            _ => {
-                return unsupported(format!(
-                    "expected predictor 1, 2 or 3 fit for the samples, found {predictor} for {bits}-bit {format:?}"
-                ));
-            }
-        }
+        check_predictor(predictor, format, bits)?;
         if compression == compression::JPEG && (format != SampleFormat::Unsigned || bits != 8) {
             return unsupported(format!(
                 "expected 8-bit samples in JPEG compression, found {bits}-bit ones"
@@ -359,5 +334,36 @@ pub(crate) fn compression_name(layout: &Layout) -> &'static str {
         compression::PACK_BITS => "PackBits",
         compression::ZSTD => "ZSTD",
         _ => "Deflate",
+    }
+}
+
+/// Kind and width of the samples, if they are some that can be read.
+fn sample_format(file: &TiffBytes, ifd: &Ifd) -> Result<(SampleFormat, u16), Fault> {
+    let bits = uniform(file, ifd, tag::BITS_PER_SAMPLE, 1, "bits per sample")?;
+    let format = match uniform(file, ifd, tag::SAMPLE_FORMAT, 1, "sample format")? {
+        // 4 is "undefined", which means unsigned in practice.
+        1 | 4 => SampleFormat::Unsigned,
+        2 => SampleFormat::Signed,
+        3 => SampleFormat::Float,
+        5 | 6 => return unsupported("expected real samples, found complex ones"),
+        other => return damaged(format!("expected a sample format 1 to 6, found {other}")),
+    };
+    match (format, bits) {
+        (SampleFormat::Unsigned, 1 | 2 | 4 | 8 | 16 | 32 | 64)
+        | (SampleFormat::Signed, 8 | 16 | 32 | 64)
+        | (SampleFormat::Float, 16 | 32 | 64) => Ok((format, bits)),
+        _ => unsupported(format!(
+            "expected integers of 1, 2, 4, 8, 16, 32 or 64 bits or floats of 16, 32 or 64, found {bits}-bit {format:?} samples"
+        )),
+    }
+}
+
+/// Refuses predictors that do not fit the samples.
+fn check_predictor(predictor: u16, format: SampleFormat, bits: u16) -> Result<(), Fault> {
+    match (predictor, format, bits) {
+        (1, ..) | (2, _, 8..) | (3, SampleFormat::Float, _) => Ok(()),
+        _ => unsupported(format!(
+            "expected predictor 1, 2 or 3 fit for the samples, found {predictor} for {bits}-bit {format:?}"
+        )),
     }
 }

@@ -93,14 +93,13 @@ fn natural(layout: &Layout, data: u16, alpha: bool) -> Result<Bands, Fault> {
         {
             unsupported("expected YCbCr colours in interleaved JPEG compression, found another")
         }
-        photometric::RGB | photometric::YCBCR => Ok(Bands::Colour),
         photometric::PALETTE if layout.bits > 16 || layout.format != SampleFormat::Unsigned => {
             unsupported(format!(
                 "expected a palette of at most 16 bits, found {} bits",
                 layout.bits
             ))
         }
-        photometric::PALETTE => Ok(Bands::Colour),
+        photometric::RGB | photometric::YCBCR | photometric::PALETTE => Ok(Bands::Colour),
         photometric::WHITE_IS_ZERO | photometric::BLACK_IS_ZERO | photometric::MASK => {
             let picture = layout.bits == 1 || (data == 1 && alpha && layout.bits == 8);
             Ok(if picture || data >= 3 {

@@ -83,20 +83,29 @@ trait Stored: Copy {
 }
 
 macro_rules! stored_integers {
-    ($($t:ty),*) => {$(
+    ($($t:ty: $value:expr),*) => {$(
         impl Stored for $t {
             #[inline]
             fn value(self) -> f64 {
-                self as f64
+                $value(self)
             }
             #[inline]
             fn is(self, nodata: f64) -> bool {
-                self as f64 == nodata
+                self.value() == nodata
             }
         }
     )*};
 }
-stored_integers!(u8, i8, u16, i16, u32, i32, u64, i64);
+stored_integers!(
+    u8: f64::from,
+    i8: f64::from,
+    u16: f64::from,
+    i16: f64::from,
+    u32: f64::from,
+    i32: f64::from,
+    u64: |v| v as f64,
+    i64: |v| v as f64
+);
 
 impl Stored for f32 {
     fn value(self) -> f64 {

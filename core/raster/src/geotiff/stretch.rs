@@ -2,23 +2,40 @@
 
 use crate::open::Stretch;
 
+/// Kinds of stored numbers, as far as a stretch cares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Numbers {
+    /// Integers of at most 8 bits.
+    Bytes,
+    /// Wider integers.
+    Integers,
+    /// Floats.
+    Floats,
+}
+
 /// Shown range of samples that lie as `values` does (a sample of them, without nodata); `full` is
 /// the range of their type. `None` to leave values as they are.
 pub(crate) fn range(
     values: &mut [f64],
     stretch: Stretch,
     full: (f64, f64),
-    eight_bits: bool,
-    float: bool,
+    numbers: Numbers,
 ) -> Option<(f64, f64)> {
     let stretch = match stretch {
-        Stretch::Auto if eight_bits => return None,
-        Stretch::Auto if float && values.iter().all(|v| (0.0..=1.0).contains(v)) => return None,
+        Stretch::Auto if numbers == Numbers::Bytes => return None,
+        Stretch::Auto
+            if numbers == Numbers::Floats && values.iter().all(|v| (0.0..=1.0).contains(v)) =>
+        {
+            return None;
+        }
         Stretch::Auto => Stretch::Percentile {
             low: 2.0,
             high: 98.0,
         },
-        other => other,
+        given @ (Stretch::Full
+        | Stretch::MinMax
+        | Stretch::Percentile { .. }
+        | Stretch::Range { .. }) => given,
     };
     let (low, high) = match stretch {
         Stretch::Auto | Stretch::Full => return None,
@@ -51,19 +68,28 @@ mod tests {
         let mut values: Vec<f64> = (0..=100).rev().map(f64::from).collect();
         let full = (0.0, 65535.0);
         assert_eq!(
-            range(&mut values, Stretch::Auto, full, false, false),
+            range(&mut values, Stretch::Auto, full, Numbers::Integers),
             Some((2.0, 98.0))
         );
         assert_eq!(
-            range(&mut values, Stretch::MinMax, full, false, false),
+            range(&mut values, Stretch::MinMax, full, Numbers::Integers),
             Some((0.0, 100.0))
         );
-        assert_eq!(range(&mut values, Stretch::Full, full, false, false), None);
-        assert_eq!(range(&mut values, Stretch::Auto, full, true, false), None);
         assert_eq!(
-            range(&mut [3.0, 3.0], Stretch::MinMax, full, false, false),
+            range(&mut values, Stretch::Full, full, Numbers::Integers),
+            None
+        );
+        assert_eq!(
+            range(&mut values, Stretch::Auto, full, Numbers::Bytes),
+            None
+        );
+        assert_eq!(
+            range(&mut [3.0, 3.0], Stretch::MinMax, full, Numbers::Integers),
             Some(full)
         );
-        assert_eq!(range(&mut [], Stretch::MinMax, full, false, false), None);
+        assert_eq!(
+            range(&mut [], Stretch::MinMax, full, Numbers::Integers),
+            None
+        );
     }
 }

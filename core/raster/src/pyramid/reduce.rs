@@ -61,7 +61,7 @@ impl Reduction {
         for (y, row) in self.rows.iter().enumerate() {
             for (x, column) in self.columns.iter().enumerate() {
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for (i, w) in self.under(row, column, fine) {
+                for (i, w) in under(row, column, fine) {
                     let height = f64::from(samples[i]);
                     if !height.is_nan() {
                         sum += w * height;
@@ -85,7 +85,7 @@ impl Reduction {
         for (y, row) in self.rows.iter().enumerate() {
             for (x, column) in self.columns.iter().enumerate() {
                 let mut sums = [0.0f64; 4];
-                for (i, w) in self.under(row, column, fine) {
+                for (i, w) in under(row, column, fine) {
                     let covered = w * f64::from(alpha[i]);
                     for (sum, channel) in sums.iter_mut().zip(&light) {
                         *sum += covered * f64::from(channel[i]);
@@ -102,20 +102,20 @@ impl Reduction {
             }
         }
     }
+}
 
-    /// Indices and weights of the fine samples under a coarse one.
-    #[inline]
-    fn under(&self, row: &Taps, column: &Taps, fine: &Block) -> impl Iterator<Item = (usize, f64)> {
-        let (row, column, width) = (*row, *column, fine.width());
-        (0..3)
-            .filter(move |j| row.weights[*j] > 0.0)
-            .flat_map(move |j| {
-                let start = (row.first + j) * width + column.first;
-                (0..3)
-                    .filter(move |i| column.weights[*i] > 0.0)
-                    .map(move |i| (start + i, row.weights[j] * column.weights[i]))
-            })
-    }
+/// Indices and weights of the fine samples under a coarse one.
+#[inline]
+fn under(row: &Taps, column: &Taps, fine: &Block) -> impl Iterator<Item = (usize, f64)> {
+    let (row, column, width) = (*row, *column, fine.width());
+    (0..3)
+        .filter(move |j| row.weights[*j] > 0.0)
+        .flat_map(move |j| {
+            let start = (row.first + j) * width + column.first;
+            (0..3)
+                .filter(move |i| column.weights[*i] > 0.0)
+                .map(move |i| (start + i, row.weights[j] * column.weights[i]))
+        })
 }
 
 /// Taps of `count` coarse samples from `start` on, with the first fine sample and the one after the last.

@@ -129,7 +129,7 @@ impl Writer {
                         Samples::Rgba16 => row[i..i + 2]
                             .copy_from_slice(&((value * 65535.0 + 0.5) as u16).to_le_bytes()),
                         Samples::Height | Samples::RgbaF32 => {
-                            row[i..i + 4].copy_from_slice(&value.to_le_bytes())
+                            row[i..i + 4].copy_from_slice(&value.to_le_bytes());
                         }
                     }
                 }
@@ -197,7 +197,7 @@ impl Writer {
         for row in raw.chunks_exact_mut(TILE as usize * channels * bytes) {
             match self.samples {
                 Samples::Rgba8 => {
-                    (4..row.len()).for_each(|i| row[i] = row[i].wrapping_add(row[i - 4]))
+                    (4..row.len()).for_each(|i| row[i] = row[i].wrapping_add(row[i - 4]));
                 }
                 Samples::Rgba16 => {
                     for i in (8..row.len()).step_by(2) {

@@ -470,18 +470,17 @@ impl Geometry<'_> {
             return;
         }
         // Exact places far outside of the source need no pixels.
-        let (low, high) = match &places {
-            Ok(_) => (low, high),
-            Err(_) => {
-                let (mut start, mut end) = (DVec2::ZERO, self.source.size);
-                if self.source.columns_around.is_some() {
-                    (start.x, end.x) = (f64::MIN, f64::MAX);
-                }
-                if self.source.reflects == [true; 2] {
-                    (start.y, end.y) = (f64::MIN, f64::MAX);
-                }
-                (low.clamp(start, end), high.clamp(start, end))
+        let (low, high) = if places.is_ok() {
+            (low, high)
+        } else {
+            let (mut start, mut end) = (DVec2::ZERO, self.source.size);
+            if self.source.columns_around.is_some() {
+                (start.x, end.x) = (f64::MIN, f64::MAX);
             }
+            if self.source.reflects == [true; 2] {
+                (start.y, end.y) = (f64::MIN, f64::MAX);
+            }
+            (low.clamp(start, end), high.clamp(start, end))
         };
         let (scale, footprint) = self.scale(radii);
         let pixel = self.scale_pixel(scale);

@@ -16,7 +16,7 @@ struct Memory {
 }
 
 impl Memory {
-    fn new(
+    fn file(
         full: Block,
         crs: &str,
         plane_from_pixel: [f64; 6],
@@ -98,7 +98,7 @@ fn globe(
     let block = heights(width, width / 2, |x, y| {
         f((west_deg + x * step).to_radians(), (y * step).to_radians())
     });
-    Memory::new(
+    Memory::file(
         block,
         "EPSG:4326",
         [west_deg, step, 0.0, 90.0, 0.0, -step],
@@ -110,7 +110,7 @@ fn globe(
 fn utm(size: usize, overviews: usize, f: impl Fn(f64, f64) -> f64) -> Arc<dyn RasterFile> {
     let half = size as f64 * 45.0;
     let place = [457_000.0 - half, 90.0, 0.0, 4_483_000.0 + half, 0.0, -90.0];
-    Memory::new(heights(size, size, f), "EPSG:26912", place, overviews)
+    Memory::file(heights(size, size, f), "EPSG:26912", place, overviews)
 }
 
 fn warp(file: Arc<dyn RasterFile>) -> Warp {
@@ -304,7 +304,7 @@ fn a_globe_is_smooth_over_the_poles() {
 #[test]
 fn a_source_across_the_antimeridian_is_found_from_both_sides() {
     let block = heights(200, 100, |x, _| x);
-    let file = Memory::new(block, "EPSG:4326", [170.0, 0.1, 0.0, 5.0, 0.0, -0.1], 0);
+    let file = Memory::file(block, "EPSG:4326", [170.0, 0.1, 0.0, 5.0, 0.0, -0.1], 0);
     let warp = warp(file);
     for (lon, expected) in [
         (175.0, 50.0),
@@ -474,7 +474,7 @@ fn colours_beside_transparency_keep_their_hue() {
             }
         }
     }
-    let file = Memory::new(block, "EPSG:4326", [0.0, 0.1, 0.0, 3.2, 0.0, -0.1], 2);
+    let file = Memory::file(block, "EPSG:4326", [0.0, 0.1, 0.0, 3.2, 0.0, -0.1], 2);
     let mut out = Block::new(Bands::Colour, 0, 0);
     let grid = TileKey::new(LevelKey::new(5, 4), 16, 7)
         .expect("inside")
@@ -503,7 +503,7 @@ fn a_cancelled_warp_says_so_and_an_unplaced_file_is_refused() {
         warp(utm(300, 0, |_, _| 0.0)).render(&grid, &mut out, &cancel),
         Err(ReadError::Cancelled)
     ));
-    let nowhere = Memory::new(heights(2, 2, |_, _| 0.0), "EPSG:4326", [0.0; 6], 0);
+    let nowhere = Memory::file(heights(2, 2, |_, _| 0.0), "EPSG:4326", [0.0; 6], 0);
     assert!(matches!(
         Warp::new(nowhere, Planet::EARTH, Kernel::Bilinear),
         Err(WarpError::Degenerate { .. })

@@ -155,47 +155,44 @@ fn assemble(
         } else {
             0
         };
-        match period {
-            Some(period) => {
-                for run in runs(rect.min.x + turn, rect.max.x + turn, period) {
-                    let from = PixelRect {
-                        x: run.from,
-                        y: first as u32,
-                        width: run.length,
-                        height: height as u32,
-                    };
-                    file.read(overview, from, &mut part, cancel)?;
-                    for (to, row) in of_kind() {
-                        out.copy_from(
-                            &part,
-                            (0, (row - first) as usize),
-                            (run.to, to),
-                            (run.length as usize, 1),
-                        );
-                    }
+        if let Some(period) = period {
+            for run in runs(rect.min.x + turn, rect.max.x + turn, period) {
+                let from = PixelRect {
+                    x: run.from,
+                    y: first as u32,
+                    width: run.length,
+                    height: height as u32,
+                };
+                file.read(overview, from, &mut part, cancel)?;
+                for (to, row) in of_kind() {
+                    out.copy_from(
+                        &part,
+                        (0, (row - first) as usize),
+                        (run.to, to),
+                        (run.length as usize, 1),
+                    );
                 }
             }
-            None => {
-                let (left, right) = (
-                    rect.min.x.clamp(0, size.x - 1),
-                    (rect.max.x - 1).clamp(0, size.x - 1),
-                );
-                let from = SampleRect::at(left, first, right - left + 1, height as i64);
-                file.read(overview, pixel_rect(&from), &mut part, cancel)?;
-                let columns: Vec<usize> = (rect.min.x..rect.max.x)
-                    .map(|x| (x.clamp(left, right) - left) as usize)
-                    .collect();
-                for plane in 0..part.bands().planes() {
-                    let (source, width) = (part.plane(plane), columns.len());
-                    let target = out.plane_mut(plane);
-                    for (to, row) in of_kind() {
-                        let line = &source[(row - first) as usize * part.width()..][..part.width()];
-                        for (v, column) in target[to * width..(to + 1) * width]
-                            .iter_mut()
-                            .zip(&columns)
-                        {
-                            *v = line[*column];
-                        }
+        } else {
+            let (left, right) = (
+                rect.min.x.clamp(0, size.x - 1),
+                (rect.max.x - 1).clamp(0, size.x - 1),
+            );
+            let from = SampleRect::at(left, first, right - left + 1, height as i64);
+            file.read(overview, pixel_rect(&from), &mut part, cancel)?;
+            let columns: Vec<usize> = (rect.min.x..rect.max.x)
+                .map(|x| (x.clamp(left, right) - left) as usize)
+                .collect();
+            for plane in 0..part.bands().planes() {
+                let (source, width) = (part.plane(plane), columns.len());
+                let target = out.plane_mut(plane);
+                for (to, row) in of_kind() {
+                    let line = &source[(row - first) as usize * part.width()..][..part.width()];
+                    for (v, column) in target[to * width..(to + 1) * width]
+                        .iter_mut()
+                        .zip(&columns)
+                    {
+                        *v = line[*column];
                     }
                 }
             }

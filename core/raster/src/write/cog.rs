@@ -78,6 +78,10 @@ pub struct CogLayout {
     pub georeference: Option<Georeference>,
 }
 
+/// What gives the samples of a file that is written: fills a block with a rectangle of them.
+pub type CogSource<'a> =
+    dyn FnMut(PixelRect, &mut Block) -> Result<(), Box<dyn core::error::Error + Send + Sync>> + 'a;
+
 /// Writes a Cloud Optimised GeoTIFF: tiled, Deflate with a predictor, overviews by halves down to
 /// one tile, pixels as areas; whole or not at all.
 ///
@@ -91,10 +95,7 @@ pub struct CogLayout {
 pub fn write_cog(
     path: &Path,
     layout: &CogLayout,
-    source: &mut dyn FnMut(
-        PixelRect,
-        &mut Block,
-    ) -> Result<(), Box<dyn core::error::Error + Send + Sync>>,
+    source: &mut CogSource<'_>,
     progress: &mut dyn FnMut(f64),
     cancel: &Cancel,
 ) -> Result<(), WriteError> {
@@ -285,7 +286,10 @@ fn encode_tile(block: &Block, samples: CogSamples) -> Vec<u8> {
                         let h = block.plane(0)[i];
                         pixel[0] = if h.is_nan() { nodata } else { h };
                     }
-                    _ => pixel.copy_from_slice(&normal(block, i)),
+                    CogSamples::Rgb8
+                    | CogSamples::Rgba8
+                    | CogSamples::Normal8
+                    | CogSamples::NormalF32 => pixel.copy_from_slice(&normal(block, i)),
                 }
             }
             predict_floats(&row, channels, &mut out);

@@ -1,5 +1,7 @@
 //! Small files made for tests.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
