@@ -126,7 +126,7 @@ impl Questions {
         let node = match bake.output {
             Output::Height => scene.roots.height,
             Output::Colour => scene.roots.colour.ok_or(BakeError::Nothing("colour"))?,
-            Output::Normal => scene.slope.ok_or(BakeError::Nothing("heights"))?,
+            Output::Normal => scene.roots.normal.ok_or(BakeError::Nothing("heights"))?,
         };
         let step = bake.resolution;
         let lattice = if crs.is_geographic() {

@@ -55,7 +55,6 @@ impl NodeCache {
 pub(crate) struct Compiled {
     graph: Graph,
     roots: Roots,
-    slope: Option<NodeIndex>,
     layers: HashMap<NodeIndex, LayerId>,
     details: Vec<Detail>,
     pub(crate) problems: Vec<Message>,
@@ -65,7 +64,7 @@ pub(crate) struct Compiled {
 
 impl Compiled {
     pub(crate) fn into_scene(self, revision: u64) -> Scene {
-        Scene::new(revision, Arc::new(self.graph), self.roots, self.slope, self.layers, self.details, self.left_out)
+        Scene::new(revision, Arc::new(self.graph), self.roots, self.layers, self.details, self.left_out)
     }
 }
 
@@ -92,14 +91,13 @@ pub(crate) fn compile(
         left_out: Vec::new(),
     };
     let height = compiler.heights(project);
-    let (normal, slope) = compiler.normals(project, height);
+    let normal = compiler.normals(height);
     let colour = compiler.colours(project, height, pinned);
     *nodes.nodes.lock() = compiler.used.into_iter().collect();
     *nodes.warps.lock() = compiler.warps;
     Compiled {
         graph: compiler.builder.build(),
         roots: Roots { height, colour, normal },
-        slope,
         layers: compiler.layers,
         details: compiler.details,
         problems: compiler.problems,
@@ -210,19 +208,14 @@ impl Compiler<'_> {
         }
     }
 
-    /// Normals as they are drawn, and as they are.
-    fn normals(&mut self, project: &Project, height: NodeIndex) -> (Option<NodeIndex>, Option<NodeIndex>) {
+    /// Normals of the ground as it is; front-ends steepen them with the heights they draw.
+    fn normals(&mut self, height: NodeIndex) -> Option<NodeIndex> {
         if self.details.is_empty() {
-            return (None, None);
+            return None;
         }
-        let mut normals = |exaggeration: f64| {
-            let node = self.builder.add(Arc::new(Normals::new(self.planet, exaggeration)), &[height]);
-            self.builder.cut(node, SampleType::Normal);
-            node
-        };
-        let drawn = normals(project.planet.vertical_exaggeration);
-        let true_slope = if project.planet.vertical_exaggeration == 1.0 { drawn } else { normals(1.0) };
-        (Some(drawn), Some(true_slope))
+        let node = self.builder.add(Arc::new(Normals::new(self.planet, 1.0)), &[height]);
+        self.builder.cut(node, SampleType::Normal);
+        Some(node)
     }
 
     fn colours(&mut self, project: &Project, height: NodeIndex, pinned: Option<&LayerId>) -> Option<NodeIndex> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use relievo_graph::{Graph, NodeIndex, RenderError};
 use relievo_planet::{Grid, GridCrs, Lattice, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_project::LayerId;
@@ -68,12 +68,8 @@ impl Questions {
             }
             None => None,
         };
-        let slope_deg = match scene.slope {
-            Some(node) => {
-                let n = ask(node)?;
-                let level = f64::from(n.samples()[0]).hypot(f64::from(n.samples()[1]));
-                Some(level.min(1.0).asin().to_degrees())
-            }
+        let slope_deg = match scene.roots.normal {
+            Some(_) => Some(self.slope_deg(point, step_rad, cancel)?),
             None => None,
         };
         let (lon_deg, lat_deg) = point.to_degrees();
@@ -87,6 +83,25 @@ impl Questions {
             colour_made_by: scene.roots.colour.map_or_else(Vec::new, |c| self.makers(&scene.graph, c, &grid)),
             spacing_m: step_rad * self.planet.radius_m,
         })
+    }
+
+    /// Slope from central differences along two great circles that cross at the point, so that a
+    /// pole is a place like any other.
+    fn slope_deg(&self, point: MapPoint, step_rad: f64, cancel: &Cancel) -> Result<f64, RenderError> {
+        let up = point.to_unit();
+        let along = [up.any_orthonormal_vector(), up.cross(up.any_orthonormal_vector())];
+        let height_at = |direction: DVec3| -> Result<f64, RenderError> {
+            let grid = one_sample(MapPoint::from_direction(up + direction * step_rad), step_rad);
+            let heights = self.scene.graph.evaluate(self.scene.roots.height, &grid, cancel)?;
+            Ok(f64::from(heights.samples()[0]))
+        };
+        let run_m = 2.0 * step_rad * self.planet.meridian_radius_m(point.lat_rad());
+        let mut steepness_sq = 0.0;
+        for direction in along {
+            let rise_m = height_at(direction)? - height_at(-direction)?;
+            steepness_sq += (rise_m / run_m).powi(2);
+        }
+        Ok(steepness_sq.sqrt().atan().to_degrees())
     }
 
     fn makers(&self, graph: &Graph, node: NodeIndex, grid: &Grid) -> Vec<Maker> {

@@ -24,8 +24,6 @@ pub(crate) struct Scene {
     pub(crate) roots: Roots,
     /// The layer behind each node, where one is.
     pub(crate) layers: HashMap<NodeIndex, LayerId>,
-    /// Normals without exaggeration; `None` when no layer gives heights.
-    pub(crate) slope: Option<NodeIndex>,
     /// How fine each source is.
     details: Vec<Detail>,
     /// Layers that the graph leaves out, and why.
@@ -57,12 +55,11 @@ impl Scene {
         revision: u64,
         graph: Arc<Graph>,
         roots: Roots,
-        slope: Option<NodeIndex>,
         layers: HashMap<NodeIndex, LayerId>,
         details: Vec<Detail>,
         left_out: Vec<(LayerId, &'static str)>,
     ) -> Self {
-        Self { revision, graph, roots, slope, layers, details, left_out, names: Mutex::new(HashMap::new()) }
+        Self { revision, graph, roots, layers, details, left_out, names: Mutex::new(HashMap::new()) }
     }
 
     /// Finest level n that some source is worth anywhere.

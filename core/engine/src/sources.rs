@@ -200,6 +200,7 @@ impl Shared {
             as_bands: Some(key.bands),
             // People count bands from 1.
             select: bands.map(|b| b.into_iter().map(|n| n.saturating_sub(1)).collect()),
+            nodata: source.nodata,
             ..OpenOptions::default()
         };
         if let Some(place) = &source.georeference {

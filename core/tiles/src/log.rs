@@ -1,5 +1,7 @@
 //! What the scheduler did: tests assert this, never timing.
 
+use std::time::Duration;
+
 use relievo_graph::{ContentId, NodeIndex};
 use relievo_planet::TileKey;
 
@@ -16,4 +18,6 @@ pub struct LogEntry {
     pub id: ContentId,
     /// Whether it could be made.
     pub ready: bool,
+    /// How long it took.
+    pub cost: Duration,
 }

@@ -397,7 +397,7 @@ impl Shared {
         };
         if self.log {
             let kind = job.graph.node(job.node).kind();
-            state.log.push(LogEntry { node: job.node, kind, key: job.key, id: job.id, ready });
+            state.log.push(LogEntry { node: job.node, kind, key: job.key, id: job.id, ready, cost });
         }
         state.done(job, &outcome, cost);
     }

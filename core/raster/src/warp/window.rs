@@ -39,41 +39,81 @@ pub(crate) fn load(
         }
         return Ok(());
     }
-    out.reshape(bands, rect.width() as usize, rect.height() as usize);
     let cell = I64Vec2::new(1 << scale.shrink_x, 1 << scale.shrink_y);
-    let columns = (STRIP_PIXELS / (cell.x * cell.y)).clamp(1, rect.width().max(1));
-    let rows = (STRIP_PIXELS / (cell.x * cell.y * columns)).clamp(1, rect.height().max(1));
+    let info = &file.info().overviews[scale.overview];
+    let size = I64Vec2::new(i64::from(info.width), i64::from(info.height));
+    // Where the image simply ends, cells beyond it are not made: there may be millions of times as
+    // many of their pixels as of the image's own.
+    let ends = [
+        source.columns_around.is_none(),
+        source.reflects == [false; 2],
+    ];
+    let held = clip(rect, (size + cell - 1) / cell, ends);
+    let mut shrunk = Block::new(bands, held.width() as usize, held.height() as usize);
+    let columns = (STRIP_PIXELS / (cell.x * cell.y)).clamp(1, held.width().max(1));
+    let rows = (STRIP_PIXELS / (cell.x * cell.y * columns)).clamp(1, held.height().max(1));
     let mut strip = Block::new(bands, 0, 0);
-    let mut y = rect.min.y;
-    while y < rect.max.y {
-        let bottom = (y + rows).min(rect.max.y);
-        let mut x = rect.min.x;
-        while x < rect.max.x {
-            let right = (x + columns).min(rect.max.x);
+    let mut y = held.min.y;
+    while y < held.max.y {
+        let bottom = (y + rows).min(held.max.y);
+        let mut x = held.min.x;
+        while x < held.max.x {
+            let right = (x + columns).min(held.max.x);
             let part = SampleRect::new(I64Vec2::new(x, y), I64Vec2::new(right, bottom));
             let fine = SampleRect::new(part.min * cell, part.max * cell);
+            let fine = clip(&fine, size, ends);
             assemble(file, source, scale.overview, &fine, &mut strip, cancel)?;
             if premultiply && bands == Bands::Colour {
                 colour::premultiply(&mut strip);
             }
-            let shrunk = shrink(&strip, cell.x as usize, cell.y as usize);
-            let to = (part.min - rect.min).as_usizevec2();
-            out.copy_from(
-                &shrunk,
-                (0, 0),
-                (to.x, to.y),
-                (shrunk.width(), shrunk.height()),
-            );
+            let means = shrink(&strip, cell.x as usize, cell.y as usize);
+            let to = (part.min - held.min).as_usizevec2();
+            let whole = (means.width(), means.height());
+            shrunk.copy_from(&means, (0, 0), (to.x, to.y), whole);
             x = right;
         }
         y = bottom;
     }
+    continue_beyond(&shrunk, &held, rect, out);
     Ok(())
 }
 
-/// Means of cells of `cell_x` × `cell_y` samples; NaN counts for nothing.
+/// The part of `rect` inside 0..`size` along the axes that end, at least one sample of it.
+fn clip(rect: &SampleRect, size: I64Vec2, ends: [bool; 2]) -> SampleRect {
+    let along = |min: i64, max: i64, size: i64, ends: bool| {
+        if !ends {
+            return (min, max);
+        }
+        let first = min.clamp(0, size - 1);
+        (first, max.clamp(first + 1, size))
+    };
+    let (left, right) = along(rect.min.x, rect.max.x, size.x, ends[0]);
+    let (top, bottom) = along(rect.min.y, rect.max.y, size.y, ends[1]);
+    SampleRect::new(I64Vec2::new(left, top), I64Vec2::new(right, bottom))
+}
+
+/// Writes the samples of `rect` into `out`, those outside of `held` as the nearest one inside.
+fn continue_beyond(block: &Block, held: &SampleRect, rect: &SampleRect, out: &mut Block) {
+    out.reshape(block.bands(), rect.width() as usize, rect.height() as usize);
+    let (width, last) = (out.width(), held.max - 1);
+    for plane in 0..block.bands().planes() {
+        let (from, to) = (block.plane(plane), out.plane_mut(plane));
+        for (line, y) in to.chunks_exact_mut(width.max(1)).zip(rect.min.y..) {
+            let row = (y.clamp(held.min.y, last.y) - held.min.y) as usize * block.width();
+            for (v, x) in line.iter_mut().zip(rect.min.x..) {
+                *v = from[row + (x.clamp(held.min.x, last.x) - held.min.x) as usize];
+            }
+        }
+    }
+}
+
+/// Means of cells of `cell_x` × `cell_y` samples, the last ones of what is left; NaN counts for
+/// nothing.
 fn shrink(block: &Block, cell_x: usize, cell_y: usize) -> Block {
-    let (width, height) = (block.width() / cell_x, block.height() / cell_y);
+    let (width, height) = (
+        block.width().div_ceil(cell_x),
+        block.height().div_ceil(cell_y),
+    );
     let mut out = Block::new(block.bands(), width, height);
     let mut sums = vec![(0.0_f64, 0_u32); width];
     for plane in 0..block.bands().planes() {
@@ -81,10 +121,10 @@ fn shrink(block: &Block, cell_x: usize, cell_y: usize) -> Block {
         for y in 0..height {
             sums.fill((0.0, 0));
             for row in block.plane(plane)[y * cell_y * block.width()..]
-                .chunks_exact(block.width())
+                .chunks_exact(block.width().max(1))
                 .take(cell_y)
             {
-                for (cell, (sum, valid)) in row.chunks_exact(cell_x).zip(&mut sums) {
+                for (cell, (sum, valid)) in row.chunks(cell_x).zip(&mut sums) {
                     for v in cell.iter().filter(|v| !v.is_nan()) {
                         *sum += f64::from(*v);
                         *valid += 1;
