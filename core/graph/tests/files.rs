@@ -17,7 +17,7 @@ const SIDE: u32 = 64;
 struct Flat(RasterInfo);
 
 impl Flat {
-    fn warp() -> Arc<Warp> {
+    fn warp(may_have_holes: bool) -> Arc<Warp> {
         let info = RasterInfo {
             path: PathBuf::from("flat"),
             format: "memory",
@@ -31,6 +31,7 @@ impl Flat {
             compression: "none".into(),
             deep_colour: false,
             nodata: None,
+            may_have_holes,
             georeference: Some(Georeference {
                 crs: "EPSG:4326".into(),
                 plane_from_pixel: [0.0, 0.125, 0.0, 8.0, 0.0, -0.125],
@@ -64,7 +65,7 @@ impl RasterFile for Flat {
 
 /// The file over a ground of 2 m, faded over `width_m`.
 fn faded(width_m: f64) -> (Graph, NodeIndex) {
-    let warp = Flat::warp();
+    let warp = Flat::warp(true);
     let mut b = GraphBuilder::default();
     let ground = b.add(Arc::new(Constant::height(2.0)), &[]);
     let file = b.add(
@@ -96,7 +97,7 @@ fn grid_at(lon_deg: f64, lat_deg: f64) -> Grid {
 
 #[test]
 fn heights_are_scaled_and_there_are_none_beyond_the_file() {
-    let node = FileSource::new(Flat::warp(), Kernel::Bilinear, 2.0, 1.0);
+    let node = FileSource::new(Flat::warp(true), Kernel::Bilinear, 2.0, 1.0);
     assert!(
         node.known(&grid_at(-60.0, 0.0), &[])
             .is_absent(Bands::Height)
@@ -117,6 +118,31 @@ fn heights_are_scaled_and_there_are_none_beyond_the_file() {
     };
     assert_eq!(height_m(grid_at(4.0, 4.0)), 21.0);
     assert!(height_m(grid_at(-60.0, 0.0)).is_nan());
+}
+
+#[test]
+fn a_file_without_holes_is_complete_where_it_covers_a_grid_well() {
+    let known = |holes: bool, lon_deg: f64, samples: i64| {
+        let node = FileSource::new(Flat::warp(holes), Kernel::Bilinear, 1.0, 0.0);
+        let grid = grid_at(lon_deg, 4.0);
+        let at = grid.rect.min;
+        let grid = grid.with_rect(SampleRect::at(at.x, at.y, samples, samples));
+        let known = node.known(&grid, &[]);
+        let mut b = GraphBuilder::default();
+        let file = b.add(Arc::new(node), &[]);
+        let made = b.build().evaluate(file, &grid, &Cancel::default()).unwrap();
+        let whole = made.samples().iter().all(|h| !h.is_nan());
+        assert!(whole || known != Known::Complete, "never wrong");
+        (known, whole)
+    };
+    assert_eq!(known(false, 4.0, 4), (Known::Complete, true));
+    assert_eq!(known(true, 4.0, 4), (Known::Nothing, true));
+    // Across the outline, and beside it where rounding may put a sample on either side.
+    assert_eq!(known(false, 7.0, 40), (Known::Nothing, false));
+    assert_eq!(known(false, 7.95, 1), (Known::Nothing, true));
+    for step in 0..60 {
+        known(false, -0.3 + 0.01 * f64::from(step), 3);
+    }
 }
 
 #[test]

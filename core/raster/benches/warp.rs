@@ -70,6 +70,7 @@ fn file() -> Arc<dyn RasterFile> {
             compression: "none".into(),
             deep_colour: false,
             nodata: None,
+            may_have_holes: true,
             georeference: Some(Georeference {
                 crs: "EPSG:32612".into(),
                 plane_from_pixel: [

@@ -75,8 +75,12 @@ pub struct RasterInfo {
     pub compression: String,
     /// Whether a colour file needs more than 8 bits a channel.
     pub deep_colour: bool,
-    /// Nodata value as the file states it.
+    /// Stored value that means nodata, as the options or else the file state it.
     pub nodata: Option<f64>,
+    /// Whether some sample of some overview may be a hole (a NaN height, a colour whose alpha is
+    /// not 1). `false` is a promise that rests on the file's structure: neither nodata nor masks
+    /// nor alpha nor floats, and no chunk left out.
+    pub may_have_holes: bool,
     /// Where the pixels lie; `None` if neither the file nor its companions say.
     pub georeference: Option<Georeference>,
 }

@@ -32,7 +32,7 @@ use geokeys::GeoKeys;
 use georeference::Placement;
 use ifd::{Ifd, TiffBytes, tag};
 use layout::{Layout, SampleFormat, compression_name, photometric};
-use meaning::{Choice, HeightScale, MeaningError};
+use meaning::{Choice, HeightScale, MeaningError, full_range};
 use metadata::BandMetadata;
 use samples::{BandView, Colours, Heights, Meaning, Window};
 use stretch::Numbers;
@@ -133,10 +133,11 @@ impl GeoTiff {
         let layout = &levels[0].image;
         let keys = GeoKeys::read(&file, ifd)?;
         let choice = Choice::of(layout, options)?;
-        let nodata = file
+        let own_nodata = file
             .text(ifd, tag::GDAL_NODATA, 256)?
             .as_deref()
             .and_then(metadata::nodata);
+        let nodata = options.nodata.or(own_nodata);
         let scale = height_scale(&file, ifd, &keys, choice.selected[0])?;
         let meaning = meaning::meaning(&file, ifd, layout, &choice, &scale, nodata)?;
         let placement = match (&options.georeference, Placement::read(&file, ifd, &keys)) {
@@ -163,6 +164,11 @@ impl GeoTiff {
                 && layout.photometric != photometric::PALETTE
                 && layout.bits > 8,
             nodata,
+            may_have_holes: meaning.may_have_holes(full_range(layout))
+                || layout.format == SampleFormat::Float
+                || levels
+                    .iter()
+                    .any(|l| l.mask.is_some() || l.image.may_be_sparse(&file)),
             georeference,
         };
         let cache = Arc::clone(&options.chunk_cache);

@@ -68,6 +68,10 @@ pub struct OpenOptions {
     pub select: Option<Vec<u16>>,
     /// How numbers become colours.
     pub stretch: Stretch,
+    /// Stored value that means nodata, instead of the one that the file states: heights with it are
+    /// NaN, and colours whose bands all have it are transparent. Lossy compression blurs values, so
+    /// that few pixels of a JPEG have exactly the one that they were given.
+    pub nodata: Option<f64>,
 }
 
 impl Default for OpenOptions {
@@ -83,6 +87,7 @@ impl Default for OpenOptions {
             as_bands: None,
             select: None,
             stretch: Stretch::Auto,
+            nodata: None,
         }
     }
 }
@@ -255,7 +260,10 @@ pub(crate) fn content_hash(path: &Path) -> io::Result<blake3::Hasher> {
 impl OpenOptions {
     /// The part of the options that decides samples, as bytes for a hash.
     pub(crate) fn sample_facts(&self) -> String {
-        format!("{:?} {:?} {:?}", self.as_bands, self.select, self.stretch)
+        format!(
+            "{:?} {:?} {:?} {:?}",
+            self.as_bands, self.select, self.stretch, self.nodata
+        )
     }
 }
 

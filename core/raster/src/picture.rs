@@ -211,7 +211,8 @@ fn describe(
             "Deflate".into()
         },
         deep_colour: bands == Bands::Colour && bits > 8,
-        nodata: None,
+        nodata: options.nodata,
+        may_have_holes: options.nodata.is_some() || colour.has_alpha(),
         georeference: placed(affine, assumed, options),
     })
 }
@@ -304,15 +305,21 @@ impl RasterFile for Picture {
             return Err(ReadError::Cancelled);
         }
         out.reshape(self.info.bands, rect.width as usize, rect.height as usize);
+        let pixels = self.pixels()?;
+        let bits = pixels.color().bits_per_pixel() / u16::from(pixels.color().channel_count());
+        let full = if bits > 8 { 65535.0 } else { 255.0 };
+        let nodata = self.info.nodata.map(|v| v as f32);
         let place = Place {
             width: size.width as usize,
             rect,
+            nodata,
+            shown_nodata: nodata.map(|v| v / full),
         };
         #[expect(
             clippy::wildcard_enum_match_arm,
             reason = "the decoder's enum may grow, and what else there is converts alike"
         )]
-        match self.pixels()? {
+        match pixels {
             DynamicImage::ImageLuma8(p) => place.copy(p, |[v]: [u8; 1]| grey(v, 255), out),
             DynamicImage::ImageLumaA8(p) => place.copy(
                 p,
@@ -358,6 +365,7 @@ impl RasterFile for Picture {
                 let place = Place {
                     width: rect.width as usize,
                     rect: PixelRect { x: 0, y: 0, ..rect },
+                    ..place
                 };
                 place.copy(
                     &wide,
@@ -402,9 +410,14 @@ fn grey(value: impl Into<u16>, full: u16) -> Pixel {
 }
 
 /// A rectangle of an image of so many columns.
+#[derive(Clone, Copy)]
 struct Place {
     width: usize,
     rect: PixelRect,
+    /// Stored value that means nodata.
+    nodata: Option<f32>,
+    /// The same as a colour channel shows it.
+    shown_nodata: Option<f32>,
 }
 
 impl Place {
@@ -422,12 +435,15 @@ impl Place {
             for chunk in samples[start..start + width * N].as_chunks::<N>().0 {
                 let pixel = pixel(*chunk);
                 if heights {
-                    out.plane_mut(0)[i] = if pixel.alpha > 0.0 {
+                    out.plane_mut(0)[i] = if pixel.alpha > 0.0 && self.nodata != Some(pixel.stored)
+                    {
                         pixel.stored
                     } else {
                         f32::NAN
                     };
-                } else if pixel.alpha > 0.0 {
+                } else if pixel.alpha > 0.0
+                    && self.shown_nodata.is_none_or(|v| pixel.colour != [v; 3])
+                {
                     for (plane, value) in pixel.colour.into_iter().enumerate() {
                         out.plane_mut(plane)[i] = value;
                     }

@@ -100,8 +100,7 @@ impl FileSource {
 
     /// Whether no sample of the grid can be a hole.
     fn is_complete(&self, grid: &Grid) -> bool {
-        // Only JPEG has neither nodata, masks, alpha nor chunks that are left out.
-        if self.warp.file().info().format != "JPEG" {
+        if self.warp.file().info().may_have_holes {
             return false;
         }
         if self.warp.covers_globe() {

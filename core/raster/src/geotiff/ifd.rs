@@ -178,15 +178,7 @@ impl TiffBytes {
                 entry.count, entry.tag
             ));
         }
-        match entry.kind {
-            1 | 3 | 4 | 13 | 16 | 18 => {}
-            other => {
-                return damaged(format!(
-                    "expected an unsigned integer in tag {}, found type {other}",
-                    entry.tag
-                ));
-            }
-        }
+        check_unsigned(entry)?;
         let size = value_size(entry.kind);
         let at = index
             .checked_mul(size)
@@ -206,13 +198,20 @@ impl TiffBytes {
 
     /// All values of a tag as unsigned integers; at most `limit` of them.
     pub(crate) fn unsigned_vec(&self, ifd: &Ifd, tag: u16, limit: u64) -> Result<Vec<u64>, Fault> {
-        let Some(entry) = ifd.find(tag) else {
-            return Ok(Vec::new());
-        };
+        ifd.find(tag)
+            .map_or(Ok(Vec::new()), |entry| self.unsigned_all(entry, limit))
+    }
+
+    /// All values of an entry as unsigned integers; at most `limit` of them.
+    pub(crate) fn unsigned_all(&self, entry: &Entry, limit: u64) -> Result<Vec<u64>, Fault> {
         check_count(entry, limit)?;
-        (0..entry.count)
-            .map(|i| self.unsigned_at(entry, i))
-            .collect()
+        check_unsigned(entry)?;
+        let size = value_size(entry.kind);
+        let raw = self.bytes.vec_at(entry.at, entry.count * size)?;
+        Ok(raw
+            .chunks_exact(size as usize)
+            .map(|value| self.number(value))
+            .collect())
     }
 
     /// All values of a tag of doubles or floats; at most `limit` of them.
@@ -280,6 +279,16 @@ fn check_count(entry: &Entry, limit: u64) -> Result<(), Fault> {
         ));
     }
     Ok(())
+}
+
+fn check_unsigned(entry: &Entry) -> Result<(), Fault> {
+    match entry.kind {
+        1 | 3 | 4 | 13 | 16 | 18 => Ok(()),
+        other => damaged(format!(
+            "expected an unsigned integer in tag {}, found type {other}",
+            entry.tag
+        )),
+    }
 }
 
 /// Bytes of one value of a field type; unknown types count as one.

@@ -67,6 +67,9 @@ pub(crate) struct Layout {
     byte_counts: Option<Entry>,
 }
 
+/// Chunks whose positions are looked at to find out whether some are missing.
+const MOST_CHUNKS_LOOKED_AT: u64 = 1 << 20;
+
 impl Layout {
     /// Reads and checks what one directory says.
     pub(crate) fn read(file: &TiffBytes, ifd: &Ifd) -> Result<Self, Fault> {
@@ -251,6 +254,15 @@ impl Layout {
             None => self.row_bytes() * u64::from(self.rows_in(row)),
         };
         Ok((offset != 0 && length != 0).then_some((offset, length)))
+    }
+
+    /// Whether the file may leave chunks out: it does, or it has too many to look at.
+    pub(crate) fn may_be_sparse(&self, file: &TiffBytes) -> bool {
+        let missing = |entry: &Entry| {
+            file.unsigned_all(entry, MOST_CHUNKS_LOOKED_AT)
+                .map_or(true, |values| values.contains(&0))
+        };
+        missing(&self.offsets) || self.byte_counts.as_ref().is_some_and(missing)
     }
 
     /// Position and length of a piece of an uncompressed strip.

@@ -171,7 +171,7 @@ pub(crate) fn meaning(
 }
 
 /// Lowest and highest value of a sample type; 0 and 1 for floats.
-fn full_range(layout: &Layout) -> (f64, f64) {
+pub(crate) fn full_range(layout: &Layout) -> (f64, f64) {
     let steps = |bits: u16| libm::exp2(f64::from(bits));
     match layout.format {
         SampleFormat::Unsigned => (0.0, steps(layout.bits) - 1.0),

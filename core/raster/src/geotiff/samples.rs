@@ -209,6 +209,19 @@ impl BandView<'_> {
     }
 }
 
+impl Meaning {
+    /// Whether stored values between the given ones may become holes.
+    pub(crate) fn may_have_holes(&self, (low, high): (f64, f64)) -> bool {
+        match self {
+            Self::Height(how) => {
+                let beyond = |v: f64| !((v * how.scale + how.offset) as f32).is_finite();
+                how.nodata.is_some() || how.alpha.is_some() || beyond(low) || beyond(high)
+            }
+            Self::Colour(how) => how.nodata.is_some() || how.alpha.is_some(),
+        }
+    }
+}
+
 impl Heights {
     /// Heights of a window; NaN for nodata.
     pub(crate) fn read(

@@ -41,6 +41,7 @@ impl Memory {
             compression: "none".into(),
             deep_colour: false,
             nodata: None,
+            may_have_holes: true,
             georeference: Some(Georeference {
                 crs: crs.into(),
                 plane_from_pixel,
