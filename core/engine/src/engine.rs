@@ -520,12 +520,21 @@ impl Engine {
                 finest_colour_level: finest_colour,
             },
         });
-        self.stacks.height.follow(&plan.heights);
-        let none = &[][..];
-        let colours = if self.shown.roots.colour.is_some() { &plan.colours[..] } else { none };
-        let normals = if self.shown.roots.normal.is_some() { &plan.colours[..] } else { none };
-        self.stacks.colour.follow(colours);
-        self.stacks.normal.follow(normals);
+        let shown = Arc::clone(&self.shown);
+        let (arrived, tiles) = (&self.arrived, &self.tiles);
+        for (kind, stack) in self.stacks.each_mut() {
+            let Some(root) = shown.root(kind) else {
+                stack.clear();
+                continue;
+            };
+            let levels = if kind == ClipKind::Height { &plan.heights } else { &plan.colours };
+            stack.follow(levels, plan.focus, |level| {
+                level.wanted_tiles().into_iter().all(|key| {
+                    let id = shown.name(root, key);
+                    arrived.contains_key(&id) || tiles.get(id).is_some()
+                })
+            });
+        }
         self.plan = Some(Arc::new(plan));
     }
 

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use relievo_graph::ContentId;
 use relievo_planet::clipmap::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN, ValidRect, valid_rect};
 use relievo_planet::clipmap::{LevelPlan, Window, choose};
-use relievo_planet::{SampleRect, TileKey};
+use relievo_planet::{LevelKey, MapPoint, SampleRect, TILE_SAMPLES, TileKey};
 use relievo_raster::{Sample, Tile};
 use relievo_tiles::TileState;
 
@@ -61,15 +61,20 @@ impl Stack {
     }
 
     /// Moves windows to where the plan has them; what stays inside stays resident.
-    pub(crate) fn follow(&mut self, plans: &[LevelPlan]) {
+    ///
+    /// A level whose columns change their width (its m) shows its old window, moved along, until
+    /// `ready` says that all wanted tiles of the new one can be had at once.
+    pub(crate) fn follow(&mut self, plans: &[LevelPlan], focus: MapPoint, ready: impl Fn(&LevelPlan) -> bool) {
         let mut old: HashMap<u8, Level> = self.levels.drain(..).map(|l| (l.plan.level.n, l)).collect();
         for plan in plans {
-            let kept = old.remove(&plan.level.n).filter(|l| {
-                l.plan.level == plan.level && l.plan.window.size == plan.window.size
-            });
+            let kept = old.remove(&plan.level.n).filter(|l| l.plan.window.size == plan.window.size);
             self.levels.push(match kept {
-                Some(level) => level.moved(*plan),
-                None => Level::new(*plan),
+                Some(level) if level.plan.level == plan.level => level.moved(*plan),
+                Some(level) if !level.valid.rect.is_empty() && !ready(plan) => {
+                    let moved = with_columns_of(level.plan.level, plan, focus);
+                    level.moved(moved)
+                }
+                _ => Level::new(*plan),
             });
         }
     }
@@ -132,16 +137,31 @@ impl Stack {
     }
 
     /// The finest resident tile that holds a map point, with the point's position in it in samples.
-    pub(crate) fn tile_at(&self, point: relievo_planet::MapPoint) -> Option<(TileKey, &Arc<Tile>)> {
+    pub(crate) fn tile_at(&self, point: MapPoint) -> Option<(TileKey, &Arc<Tile>)> {
         self.levels.iter().rev().find_map(|l| {
             let sample = l.plan.level.sample_from_map(point).floor().as_i64vec2();
             let sample = sample.clamp(glam::I64Vec2::ZERO, l.plan.level.samples() - 1);
-            let tile = sample / relievo_planet::TILE_SAMPLES;
+            let tile = sample / TILE_SAMPLES;
             let key = TileKey::new(l.plan.level, tile.x, tile.y)?;
             let slot = l.slots.get(&key)?;
             Some((key, slot.tile.as_ref()?))
         })
     }
+}
+
+/// The plan for the same rows in columns of another width.
+fn with_columns_of(level: LevelKey, plan: &LevelPlan, focus: MapPoint) -> LevelPlan {
+    let window = Window::place(level, focus, plan.window.size);
+    let focus_in_sample = window.sample_of(focus);
+    let columns = level.samples().x as f64 / plan.level.samples().x as f64;
+    let carried = |x: f64| focus_in_sample.x + (x - plan.focus_in_sample.x) * columns;
+    let to_tile = |x: f64| (carried(x) / TILE_SAMPLES as f64).floor() as i64 * TILE_SAMPLES;
+    let mut wanted = plan.wanted;
+    wanted.min.x = to_tile(wanted.min.x as f64);
+    wanted.max.x = to_tile(wanted.max.x as f64) + TILE_SAMPLES;
+    let mut centre_in_sample = plan.centre_in_sample;
+    centre_in_sample.x = carried(centre_in_sample.x);
+    LevelPlan { level, window, wanted, focus_in_sample, centre_in_sample }
 }
 
 impl Level {
