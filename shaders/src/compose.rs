@@ -26,7 +26,13 @@ pub enum Entry {
 
 impl Entry {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Displace, Self::Terrain, Self::Sky, Self::Blit, Self::Measure];
+    pub const ALL: [Self; 5] = [
+        Self::Displace,
+        Self::Terrain,
+        Self::Sky,
+        Self::Blit,
+        Self::Measure,
+    ];
 
     /// The file's stem, for labels.
     pub const fn name(self) -> &'static str {
@@ -144,8 +150,8 @@ fn constant(name: &str) -> Option<String> {
         "NORMAL_SLOT" => layout::NORMAL_SLOT.to_string(),
         // The ratio minus 1 at which a level has faded in: 2 to the power of the octaves.
         "FOOTPRINT_BLEND_SPAN" => {
-            const { assert!(choose::FOOTPRINT_BLEND_OCTAVES == 0.5) };
-            number(core::f32::consts::SQRT_2 - 1.0)
+            let octaves = f64::from(choose::FOOTPRINT_BLEND_OCTAVES);
+            number((octaves.exp2() - 1.0) as f32)
         }
         _ => return None,
     })
@@ -170,9 +176,15 @@ mod tests {
     #[test]
     fn what_does_not_exist_is_named() {
         let library = compose_source("#import lib/nothing");
-        assert_eq!(library, Err(ComposeError::UnknownLibrary("lib/nothing".to_owned())));
+        assert_eq!(
+            library,
+            Err(ComposeError::UnknownLibrary("lib/nothing".to_owned()))
+        );
         let constant = compose_source("let a = {{NOTHING}};");
-        assert_eq!(constant, Err(ComposeError::UnknownConstant("NOTHING".to_owned())));
+        assert_eq!(
+            constant,
+            Err(ComposeError::UnknownConstant("NOTHING".to_owned()))
+        );
         assert!(compose_source("let a = {{OPEN").is_err());
     }
 
@@ -187,7 +199,10 @@ mod tests {
     fn every_entry_file_composes() {
         for entry in Entry::ALL {
             let text = compose(entry);
-            assert!(!text.contains("#import") && !text.contains("{{"), "{entry:?}");
+            assert!(
+                !text.contains("#import") && !text.contains("{{"),
+                "{entry:?}"
+            );
         }
     }
 }

@@ -47,7 +47,10 @@ pub struct FrameUniform {
 /// `LevelView` of `lib/clipmap.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-#[expect(missing_docs, reason = "its twin, relievo_planet::clipmap::choose::LevelView, documents each field")]
+#[expect(
+    missing_docs,
+    reason = "its twin, relievo_planet::clipmap::choose::LevelView, documents each field"
+)]
 pub struct LevelUniform {
     pub focus_in_storage: [f32; 2],
     pub samples_per_rad: [f32; 2],

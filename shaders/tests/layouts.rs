@@ -8,13 +8,19 @@ use relievo_shaders::{Entry, compose};
 type Members = (Vec<(String, usize)>, usize);
 
 fn naga_members(entry: Entry, name: &str) -> Members {
-    let module = naga::front::wgsl::parse_str(&compose(entry)).unwrap();
-    let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
-        naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => {
-            let offsets = members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize));
-            Some((offsets.collect(), *span as usize))
-        }
-        _ => None,
+    let module = naga::front::wgsl::parse_str(&compose(entry)).expect("valid WGSL");
+    let found = module.types.iter().find_map(|(_, ty)| {
+        let naga::TypeInner::Struct { members, span } = &ty.inner else {
+            return None;
+        };
+        let offset = |m: &naga::StructMember| {
+            (
+                m.name.clone().expect("members have names"),
+                m.offset as usize,
+            )
+        };
+        let named = ty.name.as_deref() == Some(name);
+        named.then(|| (members.iter().map(offset).collect(), *span as usize))
     });
     found.unwrap_or_else(|| panic!("{entry:?} has no struct {name}"))
 }
@@ -28,9 +34,26 @@ macro_rules! members {
 #[test]
 fn the_frame_uniform_has_the_offsets_wgsl_gives_it() {
     let rust: Members = members!(FrameUniform {
-        clip_from_eye, ray_forward, exaggeration, ray_right, radius_m, ray_up, pixel_rad,
-        focus_from_eye_m, altitude_m, eye_up_in_focus, ambient, sun_in_focus, haze, sin_cos_colat,
-        scale_height_m, height_levels, colour_levels, normal_levels, colour_window, first_height_ring,
+        clip_from_eye,
+        ray_forward,
+        exaggeration,
+        ray_right,
+        radius_m,
+        ray_up,
+        pixel_rad,
+        focus_from_eye_m,
+        altitude_m,
+        eye_up_in_focus,
+        ambient,
+        sun_in_focus,
+        haze,
+        sin_cos_colat,
+        scale_height_m,
+        height_levels,
+        colour_levels,
+        normal_levels,
+        colour_window,
+        first_height_ring,
     });
     for entry in [Entry::Displace, Entry::Terrain, Entry::Sky] {
         assert_eq!(naga_members(entry, "Frame"), rust);
@@ -40,8 +63,18 @@ fn the_frame_uniform_has_the_offsets_wgsl_gives_it() {
 #[test]
 fn the_level_uniform_has_the_offsets_wgsl_gives_it() {
     let rust: Members = members!(LevelUniform {
-        focus_in_storage, samples_per_rad, valid_min, valid_max, settled_min, settled_max, tap_rows,
-        period, fade, edge_band, texel_rad, layer,
+        focus_in_storage,
+        samples_per_rad,
+        valid_min,
+        valid_max,
+        settled_min,
+        settled_max,
+        tap_rows,
+        period,
+        fade,
+        edge_band,
+        texel_rad,
+        layer,
     });
     assert_eq!(naga_members(Entry::Displace, "LevelView"), rust);
     assert_eq!(naga_members(Entry::Terrain, "LevelView"), rust);
@@ -50,7 +83,14 @@ fn the_level_uniform_has_the_offsets_wgsl_gives_it() {
 
 #[test]
 fn the_small_uniforms_have_the_offsets_wgsl_gives_them() {
-    assert_eq!(naga_members(Entry::Displace, "DisplaceRange"), members!(DisplaceRange { first, count }));
-    let rust: Members = members!(MeasureInput { sin_cos_colat, count, levels });
+    assert_eq!(
+        naga_members(Entry::Displace, "DisplaceRange"),
+        members!(DisplaceRange { first, count })
+    );
+    let rust: Members = members!(MeasureInput {
+        sin_cos_colat,
+        count,
+        levels
+    });
     assert_eq!(naga_members(Entry::Measure, "MeasureInput"), rust);
 }

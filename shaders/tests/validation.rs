@@ -38,8 +38,9 @@ fn every_entry_point_of_every_specialisation_is_valid() {
             .validate(&module)
             .unwrap_or_else(|e| panic!("{}: {}", entry.name(), e.emit_to_string(&source)));
         for constants in specialisations(entry) {
-            let resolved = naga::back::pipeline_constants::process_overrides(&module, &info, None, &constants)
-                .unwrap_or_else(|e| panic!("{} {constants:?}: {e:?}", entry.name()));
+            let resolved =
+                naga::back::pipeline_constants::process_overrides(&module, &info, None, &constants)
+                    .unwrap_or_else(|e| panic!("{} {constants:?}: {e:?}", entry.name()));
             assert!(resolved.0.overrides.is_empty());
         }
     }

@@ -26,6 +26,10 @@ override MAX_TAPS: u32 = 8u;
 // Linear light of ground that no source colours.
 const BARE_GROUND: vec3f = vec3f(0.23, 0.22, 0.20);
 
+// Part of the air's scattering that is shown before ground: imagery from space was taken through
+// the same air already. At the horizon both saturate, so ground and sky still meet there.
+const GROUND_AIR: f32 = 0.45;
+
 struct Varyings {
     @builtin(position) position: vec4f,
     @location(0) vertex: vec3f,
@@ -166,7 +170,7 @@ fn terrain_fragment(in: Varyings) -> @location(0) vec4f {
     if (HAS_HAZE) {
         let towards_eye = -normalize(in.from_eye_m);
         let up_in_focus = normalize(vec3f(in.vertex.xy, 1.0 - in.vertex.z));
-        let air = air_between(in.height_m, up_in_focus, towards_eye);
+        let air = GROUND_AIR * air_between(in.height_m, up_in_focus, towards_eye);
         ground = ground * transmitted(air)
             + scattered(air, dot(up, sun), -dot(towards_eye, frame.sun_in_focus));
     }

@@ -11,10 +11,17 @@ use relievo_gpu::measure::TransformMeter;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::headless()?;
-    println!("adapter: {} ({:?}, {})", gpu.info.name, gpu.info.backend, gpu.info.driver_info);
+    println!(
+        "adapter: {} ({:?}, {})",
+        gpu.info.name, gpu.info.backend, gpu.info.driver_info
+    );
     let meter = TransformMeter::new(&gpu.device);
-    let colats_deg = [0.0, 1e-4, 0.01, 1.0, 10.0, 30.0, 45.0, 60.0, 89.0, 90.0, 120.0, 150.0, 179.0, 180.0];
-    println!("largest error / ring radius, in units of 1e-7; rows: ring, columns: colatitude in degrees");
+    let colats_deg = [
+        0.0, 1e-4, 0.01, 1.0, 10.0, 30.0, 45.0, 60.0, 89.0, 90.0, 120.0, 150.0, 179.0, 180.0,
+    ];
+    println!(
+        "largest error / ring radius, in units of 1e-7; rows: ring, columns: colatitude in degrees"
+    );
     print!("ring");
     for colat in colats_deg {
         print!("{colat:>8}");

@@ -18,7 +18,12 @@ impl BlitPass {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("blit/layout"),
             entries: &[
-                bind::texture(0, wgpu::ShaderStages::FRAGMENT, wgpu::TextureViewDimension::D2, true),
+                bind::texture(
+                    0,
+                    wgpu::ShaderStages::FRAGMENT,
+                    wgpu::TextureViewDimension::D2,
+                    true,
+                ),
                 bind::sampler(1),
             ],
         });
@@ -58,7 +63,11 @@ impl BlitPass {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Self { pipeline, layout, sampler }
+        Self {
+            pipeline,
+            layout,
+            sampler,
+        }
     }
 
     /// Binds a picture.
@@ -68,7 +77,10 @@ impl BlitPass {
             layout: &self.layout,
             entries: &[
                 bind::view(0, picture),
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::Sampler(&self.sampler),
+                },
             ],
         })
     }

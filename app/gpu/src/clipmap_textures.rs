@@ -44,7 +44,12 @@ impl ClipmapTexture {
     pub fn new(device: &wgpu::Device, kind: ClipKind, window: u32, layers: u32) -> Self {
         let texture = create(device, kind, window, layers);
         let view = array_view(&texture);
-        Self { kind, window, texture, view }
+        Self {
+            kind,
+            window,
+            texture,
+            view,
+        }
     }
 
     /// All layers.
@@ -79,7 +84,11 @@ impl ClipmapTexture {
         let same_window = window == self.window;
         // A few to spare, since levels come one at a time.
         let most = device.limits().max_texture_array_layers;
-        let layers = if same_window { layers.next_multiple_of(4).min(most).max(layers) } else { layers };
+        let layers = if same_window {
+            layers.next_multiple_of(4).min(most).max(layers)
+        } else {
+            layers
+        };
         let grown = create(device, self.kind, window, layers);
         if same_window {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
@@ -93,7 +102,12 @@ impl ClipmapTexture {
             // At once, so that writes queued from now on land after the copy.
             queue.submit([encoder.finish()]);
         }
-        *self = Self { kind: self.kind, window, view: array_view(&grown), texture: grown };
+        *self = Self {
+            kind: self.kind,
+            window,
+            view: array_view(&grown),
+            texture: grown,
+        };
         true
     }
 
@@ -105,19 +119,33 @@ impl ClipmapTexture {
     ///
     /// # Errors
     /// If the tile holds other samples or the rectangle does not fit; nothing is written then.
-    pub fn upload(&self, queue: &wgpu::Queue, upload: &Upload, columns_around: u32) -> Result<u64, UploadError> {
+    pub fn upload(
+        &self,
+        queue: &wgpu::Queue,
+        upload: &Upload,
+        columns_around: u32,
+    ) -> Result<u64, UploadError> {
         let expected = sample_type(self.kind);
         let found = upload.tile.sample_type();
         if found != expected {
-            return Err(UploadError::SampleType { clipmap: self.kind, expected, found });
+            return Err(UploadError::SampleType {
+                clipmap: self.kind,
+                expected,
+                found,
+            });
         }
-        let fits = |start: u32, size: u32, whole: u32| start.checked_add(size).is_some_and(|end| end <= whole);
+        let fits = |start: u32, size: u32, whole: u32| {
+            start.checked_add(size).is_some_and(|end| end <= whole)
+        };
         let inside = (0..2).all(|k| {
             fits(upload.source[k], upload.size[k], TILE_SAMPLES as u32)
                 && fits(upload.storage[k], upload.size[k], self.window)
         });
         if !inside || upload.layer >= self.texture.depth_or_array_layers() {
-            return Err(UploadError::Outside { clipmap: self.kind, layer: upload.layer });
+            return Err(UploadError::Outside {
+                clipmap: self.kind,
+                layer: upload.layer,
+            });
         }
         if upload.size.contains(&0) {
             return Ok(0);
@@ -127,23 +155,45 @@ impl ClipmapTexture {
             let last = columns_around - 1;
             let [x, y] = upload.storage;
             if x == 0 {
-                sent += self.write(queue, upload, [columns_around, y], upload.source, [1, upload.size[1]]);
+                sent += self.write(
+                    queue,
+                    upload,
+                    [columns_around, y],
+                    upload.source,
+                    [1, upload.size[1]],
+                );
             }
             if (x..x + upload.size[0]).contains(&last) {
                 let source = [upload.source[0] + last - x, upload.source[1]];
-                sent += self.write(queue, upload, [self.window - 1, y], source, [1, upload.size[1]]);
+                sent += self.write(
+                    queue,
+                    upload,
+                    [self.window - 1, y],
+                    source,
+                    [1, upload.size[1]],
+                );
             }
         }
         Ok(sent)
     }
 
     /// Writes a rectangle that is known to fit.
-    fn write(&self, queue: &wgpu::Queue, upload: &Upload, to: [u32; 2], from: [u32; 2], size: [u32; 2]) -> u64 {
+    fn write(
+        &self,
+        queue: &wgpu::Queue,
+        upload: &Upload,
+        to: [u32; 2],
+        from: [u32; 2],
+        size: [u32; 2],
+    ) -> u64 {
         const BYTES: u32 = 4;
         let filled;
         let (bytes, row_bytes) = if let Some(bytes) = upload.tile.bytes() {
             let side = TILE_SAMPLES as u32;
-            (&bytes[((from[1] * side + from[0]) * BYTES) as usize..], side * BYTES)
+            (
+                &bytes[((from[1] * side + from[0]) * BYTES) as usize..],
+                side * BYTES,
+            )
         } else {
             let sample = upload.tile.as_uniform().map_or([0; 4], stored);
             filled = sample.repeat((size[0] * size[1]) as usize);
@@ -153,12 +203,24 @@ impl ClipmapTexture {
             wgpu::TexelCopyTextureInfo {
                 texture: &self.texture,
                 mip_level: 0,
-                origin: wgpu::Origin3d { x: to[0], y: to[1], z: upload.layer },
+                origin: wgpu::Origin3d {
+                    x: to[0],
+                    y: to[1],
+                    z: upload.layer,
+                },
                 aspect: wgpu::TextureAspect::All,
             },
             bytes,
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None },
-            wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(row_bytes),
+                rows_per_image: None,
+            },
+            wgpu::Extent3d {
+                width: size[0],
+                height: size[1],
+                depth_or_array_layers: 1,
+            },
         );
         u64::from(size[0]) * u64::from(size[1]) * u64::from(BYTES)
     }
@@ -190,12 +252,19 @@ fn stored(sample: Sample) -> [u8; 4] {
 fn create(device: &wgpu::Device, kind: ClipKind, window: u32, layers: u32) -> wgpu::Texture {
     let (label, format) = match kind {
         ClipKind::Height => ("clipmap_textures/heights", wgpu::TextureFormat::R32Float),
-        ClipKind::Colour => ("clipmap_textures/colours", wgpu::TextureFormat::Rgba8UnormSrgb),
+        ClipKind::Colour => (
+            "clipmap_textures/colours",
+            wgpu::TextureFormat::Rgba8UnormSrgb,
+        ),
         ClipKind::Normal => ("clipmap_textures/normals", wgpu::TextureFormat::Rg16Float),
     };
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
-        size: wgpu::Extent3d { width: window, height: window, depth_or_array_layers: layers.max(1) },
+        size: wgpu::Extent3d {
+            width: window,
+            height: window,
+            depth_or_array_layers: layers.max(1),
+        },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,

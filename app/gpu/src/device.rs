@@ -92,7 +92,7 @@ impl Gpu {
         let allowed = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all());
         Self::open(allowed & native).or_else(|error| match error {
             GpuError::NoAdapter(_) => Self::open(allowed & wgpu::Backends::GL),
-            other => Err(other),
+            other @ (GpuError::TooSmall { .. } | GpuError::Device { .. }) => Err(other),
         })
     }
 
@@ -108,8 +108,13 @@ impl Gpu {
         }))
         .map_err(GpuError::NoAdapter)?;
         check(&adapter)?;
-        let (device, queue) = pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))
-            .map_err(|source| GpuError::Device { adapter: adapter.get_info().name, source })?;
+        let (device, queue) = pollster::block_on(
+            adapter.request_device(&device_descriptor(&adapter)),
+        )
+        .map_err(|source| GpuError::Device {
+            adapter: adapter.get_info().name,
+            source,
+        })?;
         Ok(Self::shared(&adapter, &device, &queue))
     }
 
@@ -119,7 +124,13 @@ impl Gpu {
         let class = AdapterClass::of(&info);
         let loss = LossWatch::of(device);
         tracing::info!(adapter = info.name, ?class, backend = ?info.backend, "graphics device");
-        Self { device: device.clone(), queue: queue.clone(), info, class, loss }
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            info,
+            class,
+            loss,
+        }
     }
 }
 
@@ -127,14 +138,29 @@ impl Gpu {
 fn check(adapter: &wgpu::Adapter) -> Result<(), GpuError> {
     let limits = adapter.limits();
     let needs = [
-        ("a largest texture side of", limits.max_texture_dimension_2d, MIN_TEXTURE_SIDE),
-        ("a number of texture layers of", limits.max_texture_array_layers, MIN_LAYERS),
-        ("storage buffers per stage of", limits.max_storage_buffers_per_shader_stage, 2),
+        (
+            "a largest texture side of",
+            limits.max_texture_dimension_2d,
+            MIN_TEXTURE_SIDE,
+        ),
+        (
+            "a number of texture layers of",
+            limits.max_texture_array_layers,
+            MIN_LAYERS,
+        ),
+        (
+            "storage buffers per stage of",
+            limits.max_storage_buffers_per_shader_stage,
+            2,
+        ),
     ];
     match needs.into_iter().find(|(_, found, needed)| found < needed) {
-        Some((what, found, needed)) => {
-            Err(GpuError::TooSmall { adapter: adapter.get_info().name, what, found, needed })
-        }
+        Some((what, found, needed)) => Err(GpuError::TooSmall {
+            adapter: adapter.get_info().name,
+            what,
+            found,
+            needed,
+        }),
         None => Ok(()),
     }
 }

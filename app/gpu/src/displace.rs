@@ -37,7 +37,12 @@ impl DisplacePass {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("displace/layout"),
             entries: &[
-                bind::texture(0, wgpu::ShaderStages::COMPUTE, wgpu::TextureViewDimension::D2Array, false),
+                bind::texture(
+                    0,
+                    wgpu::ShaderStages::COMPUTE,
+                    wgpu::TextureViewDimension::D2Array,
+                    false,
+                ),
                 bind::storage(1, true),
                 bind::storage(2, false),
                 bind::uniform(3, wgpu::ShaderStages::COMPUTE, true),
@@ -61,7 +66,12 @@ impl DisplacePass {
     }
 
     /// Binds heights and mesh.
-    pub fn bind(&self, device: &wgpu::Device, heights: &wgpu::TextureView, mesh: &MeshBuffers) -> DisplaceGroup {
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        heights: &wgpu::TextureView,
+        mesh: &MeshBuffers,
+    ) -> DisplaceGroup {
         let ranges = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("displace/ranges"),
             size: RANGE_STRIDE * MAX_RANGES as u64,
@@ -80,7 +90,10 @@ impl DisplacePass {
                 bind::view(0, heights),
                 bind::whole(1, mesh.vertices()),
                 bind::whole(2, mesh.displaced()),
-                wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Buffer(range) },
+                wgpu::BindGroupEntry {
+                    binding: 3,
+                    resource: wgpu::BindingResource::Buffer(range),
+                },
             ],
         });
         DisplaceGroup { ranges, group }
@@ -98,8 +111,15 @@ impl DisplacePass {
     ) {
         let vertices = within_capacity(vertices);
         for (k, run) in vertices.iter().enumerate() {
-            let range = DisplaceRange { first: run.start, count: run.end - run.start };
-            queue.write_buffer(&draw.ranges, k as u64 * RANGE_STRIDE, bytemuck::bytes_of(&range));
+            let range = DisplaceRange {
+                first: run.start,
+                count: run.end - run.start,
+            };
+            queue.write_buffer(
+                &draw.ranges,
+                k as u64 * RANGE_STRIDE,
+                bytemuck::bytes_of(&range),
+            );
         }
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("displace/pass"),
@@ -117,7 +137,9 @@ impl DisplacePass {
 /// The runs, or one run over all of them where there are too many.
 fn within_capacity(vertices: &[Range<u32>]) -> Vec<Range<u32>> {
     match (vertices.first(), vertices.last()) {
-        (Some(first), Some(last)) if vertices.len() > MAX_RANGES => vec![first.start..last.end],
+        (Some(first), Some(last)) if vertices.len() > MAX_RANGES => {
+            std::iter::once(first.start..last.end).collect()
+        }
         _ => vertices.to_vec(),
     }
 }

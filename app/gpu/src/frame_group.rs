@@ -30,14 +30,22 @@ impl FrameGroup {
         let stages = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::VERTEX_FRAGMENT;
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("frame_group/layout"),
-            entries: &[bind::uniform(0, stages, false), bind::uniform(1, stages, false)],
+            entries: &[
+                bind::uniform(0, stages, false),
+                bind::uniform(1, stages, false),
+            ],
         });
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("frame_group/group"),
             layout: &layout,
             entries: &[bind::whole(0, &frame), bind::whole(1, &levels)],
         });
-        Self { frame, levels, layout, group }
+        Self {
+            frame,
+            levels,
+            layout,
+            group,
+        }
     }
 
     /// Its layout.

@@ -46,7 +46,10 @@ impl TransformMeter {
                 cache: None,
             })
         };
-        Self { measure: pipeline("measure"), choose: pipeline("choose") }
+        Self {
+            measure: pipeline("measure"),
+            choose: pipeline("choose"),
+        }
     }
 
     /// (Δφ, Δθ) in radians of vertices (u, v, 1 − w) around a focus, as the device computes them.
@@ -56,11 +59,22 @@ impl TransformMeter {
     ///
     /// # Panics
     /// With more than a million vertices.
-    pub fn map_deltas(&self, gpu: &Gpu, vertices: &[[f32; 3]], sin_cos_colat: Vec2) -> Result<Vec<Vec2>, ReadError> {
+    pub fn map_deltas(
+        &self,
+        gpu: &Gpu,
+        vertices: &[[f32; 3]],
+        sin_cos_colat: Vec2,
+    ) -> Result<Vec<Vec2>, ReadError> {
         let queries: Vec<[f32; 4]> = vertices.iter().map(|[u, v, w]| [*u, *v, *w, 0.0]).collect();
-        let input = MeasureInput { sin_cos_colat: sin_cos_colat.to_array(), ..MeasureInput::default() };
+        let input = MeasureInput {
+            sin_cos_colat: sin_cos_colat.to_array(),
+            ..MeasureInput::default()
+        };
         let results = evaluate(gpu, &self.measure, input, &queries, 1, None)?;
-        Ok(results.into_iter().map(|[lon, colat, ..]| Vec2::new(lon, colat)).collect())
+        Ok(results
+            .into_iter()
+            .map(|[lon, colat, ..]| Vec2::new(lon, colat))
+            .collect())
     }
 
     /// The levels that the device chooses, for a colour and for a height.
@@ -81,14 +95,33 @@ impl TransformMeter {
         for (slot, level) in slots.iter_mut().zip(levels) {
             *slot = LevelUniform::new(level, [256; 2], 0);
         }
-        let queries: Vec<[f32; 4]> =
-            queries.iter().map(|q| [q.delta_rad.x, q.delta_rad.y, q.footprint_rad, q.level_minus_rim]).collect();
-        let input = MeasureInput { levels: levels.len() as u32, ..MeasureInput::default() };
+        let queries: Vec<[f32; 4]> = queries
+            .iter()
+            .map(|q| {
+                [
+                    q.delta_rad.x,
+                    q.delta_rad.y,
+                    q.footprint_rad,
+                    q.level_minus_rim,
+                ]
+            })
+            .collect();
+        let input = MeasureInput {
+            levels: levels.len() as u32,
+            ..MeasureInput::default()
+        };
         let results = evaluate(gpu, &self.choose, input, &queries, 2, Some(&slots))?;
         let choice = |[fine, coarse, coarse_weight, some]: [f32; 4]| {
-            (some > 0.0).then_some(LevelChoice { fine: fine as usize, coarse: coarse as usize, coarse_weight })
+            (some > 0.0).then_some(LevelChoice {
+                fine: fine as usize,
+                coarse: coarse as usize,
+                coarse_weight,
+            })
         };
-        Ok(results.chunks_exact(2).map(|pair| [choice(pair[0]), choice(pair[1])]).collect())
+        Ok(results
+            .chunks_exact(2)
+            .map(|pair| [choice(pair[0]), choice(pair[1])])
+            .collect())
     }
 
     /// Largest error on the ground of the transform on this device, as a part of the radius of
@@ -98,7 +131,14 @@ impl TransformMeter {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn worst_error(&self, gpu: &Gpu, colat_rad: f64, level: u8, azimuths: u32, radii: u32) -> Result<f64, ReadError> {
+    pub fn worst_error(
+        &self,
+        gpu: &Gpu,
+        colat_rad: f64,
+        level: u8,
+        azimuths: u32,
+        radii: u32,
+    ) -> Result<f64, ReadError> {
         let frame = FocusFrame::new(MapPoint::new(0.0, colat_rad));
         let ring_rad = KAPPA * core::f64::consts::PI / f64::from(1_u32 << level);
         let vertices: Vec<[f32; 3]> = (0..radii)
@@ -112,7 +152,11 @@ impl TransformMeter {
         let found = self.map_deltas(gpu, &vertices, frame.sin_cos_f32())?;
         let worst = vertices.iter().zip(found).map(|(vertex, found)| {
             let [u, v, one_minus_w] = vertex.map(f64::from);
-            let truth = map_delta_f64(RingVertex { u, v, one_minus_w }, frame.sin_colat, frame.cos_colat);
+            let truth = map_delta_f64(
+                RingVertex { u, v, one_minus_w },
+                frame.sin_colat,
+                frame.cos_colat,
+            );
             ground_distance(colat_rad, truth, found.as_dvec2())
         });
         Ok(worst.fold(0.0, f64::max) / ring_rad)
@@ -128,32 +172,62 @@ fn evaluate(
     results: u64,
     levels: Option<&[LevelUniform]>,
 ) -> Result<Vec<[f32; 4]>, ReadError> {
-    assert!(queries.len() <= 1_000_000, "at most a million queries at once");
+    assert!(
+        queries.len() <= 1_000_000,
+        "at most a million queries at once"
+    );
     if queries.is_empty() {
         return Ok(Vec::new());
     }
     let device = &gpu.device;
     let buffer = |label, contents: &[u8], usage| {
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some(label),
+            contents,
+            usage,
+        })
     };
-    let input = MeasureInput { count: queries.len() as u32, ..input };
-    let input = buffer("measure/input", bytemuck::bytes_of(&input), wgpu::BufferUsages::UNIFORM);
-    let stored = buffer("measure/queries", bytemuck::cast_slice(queries), wgpu::BufferUsages::STORAGE);
-    let levels = levels.map(|l| buffer("measure/levels", bytemuck::cast_slice(l), wgpu::BufferUsages::UNIFORM));
+    let input = MeasureInput {
+        count: queries.len() as u32,
+        ..input
+    };
+    let input = buffer(
+        "measure/input",
+        bytemuck::bytes_of(&input),
+        wgpu::BufferUsages::UNIFORM,
+    );
+    let stored = buffer(
+        "measure/queries",
+        bytemuck::cast_slice(queries),
+        wgpu::BufferUsages::STORAGE,
+    );
+    let levels = levels.map(|l| {
+        buffer(
+            "measure/levels",
+            bytemuck::cast_slice(l),
+            wgpu::BufferUsages::UNIFORM,
+        )
+    });
     let found = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("measure/results"),
         size: stored.size() * results,
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     });
-    let mut entries = vec![bind::whole(0, &input), bind::whole(1, &stored), bind::whole(2, &found)];
+    let mut entries = vec![
+        bind::whole(0, &input),
+        bind::whole(1, &stored),
+        bind::whole(2, &found),
+    ];
     entries.extend(levels.as_ref().map(|levels| bind::whole(3, levels)));
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("measure/group"),
         layout: &pipeline.get_bind_group_layout(0),
         entries: &entries,
     });
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("measure/encoder") });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+        label: Some("measure/encoder"),
+    });
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(pipeline);

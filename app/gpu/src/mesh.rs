@@ -5,8 +5,10 @@
 
 use core::ops::Range;
 
-use relievo_engine::planet::clipmap::rings::{MeshStepsError, NARROWEST_RING, RingMesh, RingVertex, SECTORS};
 use relievo_engine::planet::clipmap::Plan;
+use relievo_engine::planet::clipmap::rings::{
+    MeshStepsError, NARROWEST_RING, RingMesh, RingVertex, SECTORS,
+};
 use relievo_shaders::layout::RingVertexData;
 use wgpu::util::DeviceExt;
 
@@ -88,10 +90,16 @@ impl MeshBuffers {
         let mut topology = |part: relievo_engine::planet::clipmap::rings::SectorIndices| {
             let first = indices.len() as u32;
             indices.extend(part.indices);
-            Topology { first, sectors: part.sectors }
+            Topology {
+                first,
+                sectors: part.sectors,
+            }
         };
-        let (ring, disc, cap) =
-            (topology(mesh.ring_indices()), topology(mesh.disc_indices()), topology(mesh.cap_indices()));
+        let (ring, disc, cap) = (
+            topology(mesh.ring_indices()),
+            topology(mesh.disc_indices()),
+            topology(mesh.cap_indices()),
+        );
         let vertex_count = vertices.len() as u32;
         Ok(Self {
             vertices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -102,7 +110,9 @@ impl MeshBuffers {
             displaced: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("mesh/displaced"),
                 size: u64::from(vertex_count) * 16,
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                usage: wgpu::BufferUsages::VERTEX
+                    | wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
             indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -151,7 +161,11 @@ impl MeshBuffers {
         let (widest, finest) = (*plan.rings.start(), (*plan.rings.end()).min(NARROWEST_RING));
         let mut parts = vec![(Part::Disc(finest), plan.disc_sectors)];
         for ring in (widest..=finest).rev() {
-            let visible = plan.sectors.iter().find(|s| s.ring == ring).map_or(0, |s| s.visible);
+            let visible = plan
+                .sectors
+                .iter()
+                .find(|s| s.ring == ring)
+                .map_or(0, |s| s.visible);
             parts.push((Part::Ring(ring), visible));
         }
         if plan.cap {
@@ -161,7 +175,8 @@ impl MeshBuffers {
         for (part, visible) in parts {
             let (topology, vertices) = self.place(part);
             let triangles = |run: &Range<u32>| u64::from(run.end - run.start) / 3;
-            selection.triangles_without_culling += topology.sectors.iter().map(triangles).sum::<u64>();
+            selection.triangles_without_culling +=
+                topology.sectors.iter().map(triangles).sum::<u64>();
             if visible & all == 0 {
                 continue;
             }
@@ -183,12 +198,18 @@ impl MeshBuffers {
         let rings = u32::from(NARROWEST_RING) + 1;
         let run = |first: u32, count: u32| first..first + count;
         match part {
-            Part::Ring(ring) => (&self.ring, run(u32::from(ring) * self.ring_vertices, self.ring_vertices)),
+            Part::Ring(ring) => (
+                &self.ring,
+                run(u32::from(ring) * self.ring_vertices, self.ring_vertices),
+            ),
             Part::Disc(ring) => {
                 let first = rings * self.ring_vertices + u32::from(ring) * self.disc_vertices;
                 (&self.disc, run(first, self.disc_vertices))
             }
-            Part::Cap => (&self.cap, rings * (self.ring_vertices + self.disc_vertices)..self.vertex_count),
+            Part::Cap => (
+                &self.cap,
+                rings * (self.ring_vertices + self.disc_vertices)..self.vertex_count,
+            ),
         }
     }
 }
@@ -202,7 +223,11 @@ fn push(out: &mut Vec<RingVertexData>, vertices: &[RingVertex], ring: u8) {
 
 /// Runs of indices of neighbouring visible sectors.
 fn visible_runs(topology: &Topology, visible: u32) -> Vec<Range<u32>> {
-    let runs = topology.sectors.iter().enumerate().filter(|(k, _)| visible >> k & 1 == 1);
+    let runs = topology
+        .sectors
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| visible >> k & 1 == 1);
     joined(runs.map(|(_, run)| run.clone()).collect())
 }
 
@@ -225,7 +250,10 @@ mod tests {
 
     #[test]
     fn neighbouring_sectors_are_one_draw() {
-        let topology = Topology { first: 0, sectors: (0..4).map(|k| k * 6..k * 6 + 6).collect() };
+        let topology = Topology {
+            first: 0,
+            sectors: (0..4).map(|k| k * 6..k * 6 + 6).collect(),
+        };
         assert_eq!(visible_runs(&topology, 0b1011), vec![0..12, 18..24]);
         assert_eq!(visible_runs(&topology, 0), Vec::<Range<u32>>::new());
     }

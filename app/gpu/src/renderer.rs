@@ -90,7 +90,11 @@ impl Renderer {
     ///
     /// # Errors
     /// If the quality's mesh cannot be cut into sectors.
-    pub fn new(gpu: &Gpu, target_format: wgpu::TextureFormat, quality: Quality) -> Result<Self, MeshStepsError> {
+    pub fn new(
+        gpu: &Gpu,
+        target_format: wgpu::TextureFormat,
+        quality: Quality,
+    ) -> Result<Self, MeshStepsError> {
         let device = &gpu.device;
         let mesh = MeshBuffers::new(device, &quality)?;
         let frame_group = FrameGroup::new(device);
@@ -100,7 +104,8 @@ impl Renderer {
         let blit = BlitPass::new(device, target_format);
         // Bound while a scene has none of a kind; the first levels replace them.
         let empty = |kind| ClipmapTexture::new(device, kind, 1, 1);
-        let [heights, colours, normals] = [ClipKind::Height, ClipKind::Colour, ClipKind::Normal].map(empty);
+        let [heights, colours, normals] =
+            [ClipKind::Height, ClipKind::Colour, ClipKind::Normal].map(empty);
         let targets = Targets::new(device, [1, 1]);
         Ok(Self {
             displace_group: displace.bind(device, heights.view(), &mesh),
@@ -158,7 +163,11 @@ impl Renderer {
     ///
     /// # Errors
     /// If the device is lost, or an upload does not fit; the picture then stays as it was.
-    pub fn render(&mut self, frame: &Frame, encoder: &mut wgpu::CommandEncoder) -> Result<FrameStats, RenderError> {
+    pub fn render(
+        &mut self,
+        frame: &Frame,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<FrameStats, RenderError> {
         if self.loss.is_lost() {
             return Err(RenderError::DeviceLost);
         }
@@ -184,9 +193,13 @@ impl Renderer {
         let heights_came = frame.uploads.iter().any(|u| u.clipmap == ClipKind::Height);
         let (same_vertices, same_picture) = self.drawn.as_ref().map_or((false, false), |drawn| {
             let same_frame = drawn.frame == uniform && drawn.selection == selection;
-            let same_heights = drawn.levels[..COLOUR_SLOT] == levels[..COLOUR_SLOT] && !heights_came;
+            let same_heights =
+                drawn.levels[..COLOUR_SLOT] == levels[..COLOUR_SLOT] && !heights_came;
             let same_levels = drawn.levels == levels && frame.uploads.is_empty();
-            (same_frame && same_heights, same_frame && same_levels && !resized)
+            (
+                same_frame && same_heights,
+                same_frame && same_levels && !resized,
+            )
         });
         let mut stats = FrameStats {
             reused: same_picture,
@@ -205,7 +218,11 @@ impl Renderer {
         }
         self.frame_group.write(&self.queue, &uniform, &levels);
         if !same_vertices {
-            stats.displaced_vertices = selection.vertices.iter().map(|r| u64::from(r.end - r.start)).sum();
+            stats.displaced_vertices = selection
+                .vertices
+                .iter()
+                .map(|r| u64::from(r.end - r.start))
+                .sum();
         }
         self.encode(encoder, &selection, key, !same_vertices);
         self.drawn = Some(Drawn {
@@ -220,8 +237,21 @@ impl Renderer {
     }
 
     /// Records the passes.
-    fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, selection: &MeshSelection, key: TerrainKey, displace: bool) {
-        let Self { device, queue, frame_group, mesh, timer, .. } = self;
+    fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        selection: &MeshSelection,
+        key: TerrainKey,
+        displace: bool,
+    ) {
+        let Self {
+            device,
+            queue,
+            frame_group,
+            mesh,
+            timer,
+            ..
+        } = self;
         let queries = timer.as_ref().and_then(FrameTimer::queries);
         if displace {
             let timestamps = queries.map(|query_set| wgpu::ComputePassTimestampWrites {
@@ -230,7 +260,14 @@ impl Renderer {
                 end_of_pass_write_index: None,
             });
             let (group, runs) = (frame_group.group(), &selection.vertices);
-            self.displace.run(queue, encoder, group, &self.displace_group, runs, timestamps);
+            self.displace.run(
+                queue,
+                encoder,
+                group,
+                &self.displace_group,
+                runs,
+                timestamps,
+            );
         }
         let timestamps = queries.map(|query_set| wgpu::RenderPassTimestampWrites {
             query_set,
@@ -239,7 +276,8 @@ impl Renderer {
         });
         let mut pass = self.targets.begin(encoder, timestamps);
         pass.set_bind_group(0, frame_group.group(), &[]);
-        self.terrain.draw(device, &mut pass, key, &self.terrain_group, mesh, selection);
+        self.terrain
+            .draw(device, &mut pass, key, &self.terrain_group, mesh, selection);
         self.sky.draw(&mut pass, key.haze);
         drop(pass);
         if let Some(timer) = timer.as_ref().filter(|_| queries.is_some()) {
@@ -250,25 +288,52 @@ impl Renderer {
     /// Makes room for a frame's levels and stores its uploads; returns the bytes sent.
     fn store(&mut self, frame: &Frame) -> Result<u64, UploadError> {
         let stacks = [
-            (&mut self.heights, ClipKind::Height, &frame.heights, frame.height_window),
-            (&mut self.colours, ClipKind::Colour, &frame.colours, frame.colour_window),
-            (&mut self.normals, ClipKind::Normal, &frame.normals, frame.colour_window),
+            (
+                &mut self.heights,
+                ClipKind::Height,
+                &frame.heights,
+                frame.height_window,
+            ),
+            (
+                &mut self.colours,
+                ClipKind::Colour,
+                &frame.colours,
+                frame.colour_window,
+            ),
+            (
+                &mut self.normals,
+                ClipKind::Normal,
+                &frame.normals,
+                frame.colour_window,
+            ),
         ];
         let most = self.device.limits().max_texture_array_layers;
         let mut replaced = [false; 3];
         for ((texture, kind, levels, window), replaced) in stacks.into_iter().zip(&mut replaced) {
-            let uploaded = frame.uploads.iter().filter(|u| u.clipmap == kind).map(|u| u.layer);
+            let uploaded = frame
+                .uploads
+                .iter()
+                .filter(|u| u.clipmap == kind)
+                .map(|u| u.layer);
             // Layers beyond the device's are refused below, one by one.
-            let layers = levels.iter().map(|l| l.layer).chain(uploaded).filter(|layer| *layer < most);
+            let layers = levels
+                .iter()
+                .map(|l| l.layer)
+                .chain(uploaded)
+                .filter(|layer| *layer < most);
             if let Some(last) = layers.max() {
                 *replaced = texture.reserve(&self.device, &self.queue, window, last + 1);
             }
         }
         if replaced[0] {
-            self.displace_group = self.displace.bind(&self.device, self.heights.view(), &self.mesh);
+            self.displace_group = self
+                .displace
+                .bind(&self.device, self.heights.view(), &self.mesh);
         }
         if replaced[1] || replaced[2] {
-            self.terrain_group = self.terrain.bind(&self.device, self.colours.view(), self.normals.view());
+            self.terrain_group =
+                self.terrain
+                    .bind(&self.device, self.colours.view(), self.normals.view());
         }
         if replaced.contains(&true) {
             self.drawn = None;
@@ -327,9 +392,18 @@ impl Renderer {
         if self.loss.is_lost() {
             return Err(ReadError::DeviceLost);
         }
-        let rgba = readback::texels(&self.device, &self.queue, self.targets.colour(), wgpu::TextureAspect::All)?;
+        let rgba = readback::texels(
+            &self.device,
+            &self.queue,
+            self.targets.colour(),
+            wgpu::TextureAspect::All,
+        )?;
         let [width, height] = self.targets.size_px();
-        Ok(Picture { width, height, rgba })
+        Ok(Picture {
+            width,
+            height,
+            rgba,
+        })
     }
 
     /// The displaced vertices of the latest submitted frame: metres from the eye along the focus'
@@ -358,7 +432,16 @@ impl Renderer {
         let depth = wgpu::TextureAspect::DepthOnly;
         let bytes = readback::texels(&self.device, &self.queue, self.targets.depth(), depth)?;
         let depths: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        Ok(depths.into_iter().map(|depth| if depth > 0.0 { near_m / depth } else { f32::INFINITY }).collect())
+        Ok(depths
+            .into_iter()
+            .map(|depth| {
+                if depth > 0.0 {
+                    near_m / depth
+                } else {
+                    f32::INFINITY
+                }
+            })
+            .collect())
     }
 
     /// What the pixel (x, y) of the latest submitted picture shows; `None` for sky and outside.
@@ -390,6 +473,9 @@ impl Renderer {
 
 /// After how many texels the columns of a layer repeat.
 fn columns_around(levels: &[LevelView], layer: u32, window: u32) -> u32 {
-    let period = levels.iter().find(|l| l.layer == layer).map(|l| l.window.period().x as u32);
+    let period = levels
+        .iter()
+        .find(|l| l.layer == layer)
+        .map(|l| l.window.period().x as u32);
     period.unwrap_or(window).clamp(1, window)
 }

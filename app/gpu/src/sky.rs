@@ -32,7 +32,10 @@ impl SkyPass {
                 },
                 primitive: wgpu::PrimitiveState::default(),
                 // At infinity: only where no terrain has written a depth.
-                depth_stencil: Some(targets::depth_state(false, wgpu::CompareFunction::GreaterEqual)),
+                depth_stencil: Some(targets::depth_state(
+                    false,
+                    wgpu::CompareFunction::GreaterEqual,
+                )),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &module,
@@ -47,7 +50,9 @@ impl SkyPass {
                 cache: None,
             })
         };
-        Self { pipelines: [pipeline(false), pipeline(true)] }
+        Self {
+            pipelines: [pipeline(false), pipeline(true)],
+        }
     }
 
     /// Draws the sky; group 0 is already bound.

@@ -62,18 +62,32 @@ impl TerrainPass {
             ..Default::default()
         });
         let module = bind::module(device, Entry::Terrain);
-        Self { module, layout, pipeline_layout, sampler, pipelines: BTreeMap::new() }
+        Self {
+            module,
+            layout,
+            pipeline_layout,
+            sampler,
+            pipelines: BTreeMap::new(),
+        }
     }
 
     /// Binds the textures.
-    pub fn bind(&self, device: &wgpu::Device, colours: &wgpu::TextureView, normals: &wgpu::TextureView) -> wgpu::BindGroup {
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        colours: &wgpu::TextureView,
+        normals: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("terrain/group"),
             layout: &self.layout,
             entries: &[
                 bind::view(0, colours),
                 bind::view(1, normals),
-                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::Sampler(&self.sampler),
+                },
             ],
         })
     }
@@ -93,8 +107,15 @@ impl TerrainPass {
         mesh: &MeshBuffers,
         selection: &MeshSelection,
     ) {
-        let Self { module, pipeline_layout, pipelines, .. } = self;
-        let pipeline = pipelines.entry(key).or_insert_with(|| pipeline(device, module, pipeline_layout, key));
+        let Self {
+            module,
+            pipeline_layout,
+            pipelines,
+            ..
+        } = self;
+        let pipeline = pipelines
+            .entry(key)
+            .or_insert_with(|| pipeline(device, module, pipeline_layout, key));
         pass.set_pipeline(pipeline);
         pass.set_bind_group(1, group, &[]);
         pass.set_vertex_buffer(0, mesh.displaced().slice(..));
@@ -134,7 +155,10 @@ fn pipeline(
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: &[buffer(&attributes[0]), buffer(&attributes[1])],
         },
-        primitive: wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() },
+        primitive: wgpu::PrimitiveState {
+            cull_mode: Some(wgpu::Face::Back),
+            ..Default::default()
+        },
         depth_stencil: Some(targets::depth_state(true, wgpu::CompareFunction::Greater)),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {

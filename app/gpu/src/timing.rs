@@ -30,7 +30,12 @@ impl FrameTimer {
             return None;
         }
         let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: 16, usage, mapped_at_creation: false })
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: 16,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         Some(Self {
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -38,8 +43,14 @@ impl FrameTimer {
                 ty: wgpu::QueryType::Timestamp,
                 count: 2,
             }),
-            resolved: buffer("timing/resolved", wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
-            readable: buffer("timing/readable", wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ),
+            resolved: buffer(
+                "timing/resolved",
+                wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            ),
+            readable: buffer(
+                "timing/readable",
+                wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            ),
             period_ns: f64::from(queue.get_timestamp_period()),
             state: Arc::new(AtomicU8::new(IDLE)),
             latest_ms: None,
@@ -52,9 +63,13 @@ impl FrameTimer {
             RECORDED => {
                 self.state.store(MAPPING, Ordering::Release);
                 let state = Arc::clone(&self.state);
-                self.readable.map_async(wgpu::MapMode::Read, .., move |result| {
-                    state.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
-                });
+                self.readable
+                    .map_async(wgpu::MapMode::Read, .., move |result| {
+                        state.store(
+                            if result.is_ok() { READY } else { FAILED },
+                            Ordering::Release,
+                        );
+                    });
             }
             READY => {
                 if let Ok(bytes) = self.readable.get_mapped_range(..) {

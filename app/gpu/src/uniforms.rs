@@ -6,7 +6,9 @@
 use glam::{DMat3, DMat4, DVec3};
 use relievo_engine::planet::clipmap::view::{FocusFrame, View};
 use relievo_engine::{Frame, LevelView};
-use relievo_shaders::layout::{COLOUR_SLOT, FrameUniform, LEVEL_SLOTS, LevelUniform, MAX_LEVELS, NORMAL_SLOT};
+use relievo_shaders::layout::{
+    COLOUR_SLOT, FrameUniform, LEVEL_SLOTS, LevelUniform, MAX_LEVELS, NORMAL_SLOT,
+};
 
 use crate::quality::Look;
 
@@ -62,7 +64,10 @@ pub fn frame_uniform(frame: &Frame, size_px: [u32; 2], look: Look) -> FrameUnifo
 
 /// (sin θv, cos θv), never negative the first, from the frame's own axes so that both agree.
 fn sin_cos_colat(world_from_focus: DMat3) -> (f64, f64) {
-    ((-world_from_focus.x_axis.z).max(0.0), world_from_focus.z_axis.z)
+    (
+        (-world_from_focus.x_axis.z).max(0.0),
+        world_from_focus.z_axis.z,
+    )
 }
 
 fn count(levels: &[LevelView]) -> u32 {
@@ -72,7 +77,11 @@ fn count(levels: &[LevelView]) -> u32 {
 /// The levels of all three clipmaps. Of more than [`MAX_LEVELS`] the finest are left out.
 pub fn level_uniforms(frame: &Frame) -> LevelUniforms {
     let mut slots = [LevelUniform::default(); LEVEL_SLOTS];
-    let stacks = [(0, &frame.heights), (COLOUR_SLOT, &frame.colours), (NORMAL_SLOT, &frame.normals)];
+    let stacks = [
+        (0, &frame.heights),
+        (COLOUR_SLOT, &frame.colours),
+        (NORMAL_SLOT, &frame.normals),
+    ];
     for (first, levels) in stacks {
         for (slot, level) in slots[first..first + MAX_LEVELS].iter_mut().zip(levels) {
             let period = level.window.period().to_array().map(|p| p as u32);

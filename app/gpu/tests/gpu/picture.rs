@@ -24,12 +24,37 @@ fn views() -> Vec<(&'static str, Camera)> {
         ("limb", camera(-60.0, -20.0, 2e6, 70.0, -38.0)),
         ("aircraft", camera(11.0, 47.0, 11_000.0, 200.0, -20.0)),
         ("straight down", camera(11.0, 47.0, 9_000.0, 30.0, -90.0)),
-        ("ground", camera(11.02, 47.03, scene::smooth_hills(camera(11.02, 47.03, 0.0, 0.0, 0.0).map_point().to_unit()) + 2.0, 130.0, -5.0)),
-        ("across the antimeridian", camera(179.95, 12.0, 40_000.0, 90.0, -25.0)),
-        ("across the north pole", camera(20.0, 89.7, 60_000.0, 0.0, -30.0)),
-        ("over the north pole itself", camera(0.0, 90.0, 400_000.0, 45.0, -90.0)),
-        ("across the south pole", camera(-120.0, -89.0, 300_000.0, 180.0, -45.0)),
-        ("pole on the horizon", camera(77.0, 80.0, 900_000.0, 2.0, -40.0)),
+        (
+            "ground",
+            camera(
+                11.02,
+                47.03,
+                scene::smooth_hills(camera(11.02, 47.03, 0.0, 0.0, 0.0).map_point().to_unit())
+                    + 2.0,
+                130.0,
+                -5.0,
+            ),
+        ),
+        (
+            "across the antimeridian",
+            camera(179.95, 12.0, 40_000.0, 90.0, -25.0),
+        ),
+        (
+            "across the north pole",
+            camera(20.0, 89.7, 60_000.0, 0.0, -30.0),
+        ),
+        (
+            "over the north pole itself",
+            camera(0.0, 90.0, 400_000.0, 45.0, -90.0),
+        ),
+        (
+            "across the south pole",
+            camera(-120.0, -89.0, 300_000.0, 180.0, -45.0),
+        ),
+        (
+            "pole on the horizon",
+            camera(77.0, 80.0, 900_000.0, 2.0, -40.0),
+        ),
     ]
 }
 
@@ -49,7 +74,9 @@ fn places(view: &View, distances: &[f32], size: [u32; 2]) -> Vec<(DVec3, bool, O
             // Facets of the mesh lie a little inside the sphere that they stand for.
             let must_hit = along < 0.0 && nearest_m < inner_m * (1.0 - 2e-4);
             let distance = distances[(y * size[0] + x) as usize];
-            let hit = distance.is_finite().then(|| view.eye + ray * f64::from(distance));
+            let hit = distance
+                .is_finite()
+                .then(|| view.eye + ray * f64::from(distance));
             (ray, must_hit, hit)
         })
         .collect()
@@ -62,7 +89,11 @@ fn every_ray_that_meets_the_planet_shows_ground_of_the_right_height_and_colour()
         let mut renderer = renderer();
         renderer.set_look(Look { haze: 0.0 });
         let (picture, stats) = draw(&mut renderer, &frame);
-        assert!(stats.triangles <= 80_000, "{name}: {} triangles", stats.triangles);
+        assert!(
+            stats.triangles <= 80_000,
+            "{name}: {} triangles",
+            stats.triangles
+        );
         let view = View::new(&camera, &Planet::EARTH, SIZE);
         let places = places(&view, &renderer.read_distances().unwrap(), SIZE);
         let (mut holes, mut wrong, mut sum, mut worst) = (0, 0, 0.0_f64, 0.0_f64);
@@ -78,6 +109,9 @@ fn every_ray_that_meets_the_planet_shows_ground_of_the_right_height_and_colour()
             // Triangles are chords: allow what the widest triangle in the picture may sag.
             let tolerance = 40.0 + 0.02 * (position - view.eye).length();
             wrong += u32::from((height - scene::smooth_hills(p)).abs() > tolerance);
+            if -(position - view.eye).normalize().dot(p) < 0.2 {
+                continue; // at grazing angles a pixel is the mean over a long stretch of ground
+            }
             let expected = scene::smooth_colour(p);
             let pixel = &picture.rgba[4 * i..4 * i + 3];
             for (e, found) in expected.iter().zip(pixel) {
@@ -90,14 +124,20 @@ fn every_ray_that_meets_the_planet_shows_ground_of_the_right_height_and_colour()
         assert_eq!(holes, 0, "{name}: holes");
         assert_eq!(wrong, 0, "{name}: wrong heights of {hits}");
         assert!(hits > 5_000, "{name}: only {hits} pixels of ground");
-        assert!(mean < 1.0 && worst < 16.0, "{name}: colours differ by {mean} in the mean, {worst} at most");
+        assert!(
+            mean < 1.0 && worst < 16.0,
+            "{name}: colours differ by {mean} in the mean, {worst} at most"
+        );
     }
 }
 
 #[test]
 fn two_renderers_draw_the_same_bytes() {
     let camera = camera(11.0, 47.0, 11_000.0, 200.0, -20.0);
-    let world = World { lit: true, ..SMOOTH };
+    let world = World {
+        lit: true,
+        ..SMOOTH
+    };
     let frame = scene::frame(&world, camera, SIZE, sun(&camera, 150.0, 50.0));
     let (first, stats) = draw(&mut renderer(), &frame);
     let (second, again) = draw(&mut renderer(), &frame);
@@ -118,7 +158,12 @@ fn culled_sectors_never_change_a_pixel() {
         plan.disc_sectors = 0xffff;
         all.plan = std::sync::Arc::new(plan);
         let (whole, _) = draw(&mut renderer(), &all);
-        let different = culled.rgba.chunks(4).zip(whole.rgba.chunks(4)).filter(|(a, b)| a != b).count();
+        let different = culled
+            .rgba
+            .chunks(4)
+            .zip(whole.rgba.chunks(4))
+            .filter(|(a, b)| a != b)
+            .count();
         assert_eq!(different, 0, "{name}");
         assert!(stats.triangles <= stats.triangles_without_culling);
     }
@@ -143,7 +188,10 @@ fn an_unchanged_frame_is_not_drawn_again() {
 #[test]
 fn a_scene_runs_only_what_it_uses() {
     let camera = camera(11.0, 47.0, 11_000.0, 200.0, -20.0);
-    let world = World { colour: None, ..SMOOTH };
+    let world = World {
+        colour: None,
+        ..SMOOTH
+    };
     let frame = scene::frame(&world, camera, SIZE, sun(&camera, 150.0, 50.0));
     let mut renderer = renderer();
     let (_, stats) = draw(&mut renderer, &frame);

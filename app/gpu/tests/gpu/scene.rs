@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock};
 use glam::{DVec2, DVec3, I64Vec2};
 use relievo_engine::planet::clipmap::choose::LevelView as ShaderView;
 use relievo_engine::planet::clipmap::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN};
-use relievo_engine::planet::clipmap::{HeightRange, LevelPlan, PlanInput, Planner, Quality as PlanQuality, valid_rect};
+use relievo_engine::planet::clipmap::{
+    HeightRange, LevelPlan, PlanInput, Planner, Quality as PlanQuality, valid_rect,
+};
 use relievo_engine::planet::{Camera, MapPoint, Planet, TILE_SAMPLES, TileKey};
 use relievo_engine::raster::{Bands, Block, SampleType, Tile};
 use relievo_engine::{ClipKind, Frame, LevelView, Sun, Upload};
@@ -14,7 +16,9 @@ use relievo_gpu::{FrameStats, Gpu, Picture, Quality, Renderer};
 /// The device of all tests.
 pub(crate) fn gpu() -> &'static Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::headless().expect("these tests need a graphics adapter; a software one will do"))
+    GPU.get_or_init(|| {
+        Gpu::headless().expect("these tests need a graphics adapter; a software one will do")
+    })
 }
 
 /// A planet made of formulas over the unit vector of a place.
@@ -84,18 +88,42 @@ pub(crate) fn frame(world: &World, camera: Camera, viewport_px: [u32; 2], sun: S
     };
     let plan = Arc::clone(&frame.plan);
     let mut uploads = Vec::new();
-    frame.heights = stack(world, ClipKind::Height, &plan.heights, HEIGHT_FILTER_MARGIN, &mut uploads);
+    frame.heights = stack(
+        world,
+        ClipKind::Height,
+        &plan.heights,
+        HEIGHT_FILTER_MARGIN,
+        &mut uploads,
+    );
     if world.colour.is_some() {
-        frame.colours = stack(world, ClipKind::Colour, &plan.colours, COLOUR_FILTER_MARGIN, &mut uploads);
+        frame.colours = stack(
+            world,
+            ClipKind::Colour,
+            &plan.colours,
+            COLOUR_FILTER_MARGIN,
+            &mut uploads,
+        );
     }
     if world.lit {
-        frame.normals = stack(world, ClipKind::Normal, &plan.colours, COLOUR_FILTER_MARGIN, &mut uploads);
+        frame.normals = stack(
+            world,
+            ClipKind::Normal,
+            &plan.colours,
+            COLOUR_FILTER_MARGIN,
+            &mut uploads,
+        );
     }
     frame.uploads = uploads;
     frame
 }
 
-fn stack(world: &World, kind: ClipKind, plans: &[LevelPlan], margin: f64, uploads: &mut Vec<Upload>) -> Vec<LevelView> {
+fn stack(
+    world: &World,
+    kind: ClipKind,
+    plans: &[LevelPlan],
+    margin: f64,
+    uploads: &mut Vec<Upload>,
+) -> Vec<LevelView> {
     let mut levels = Vec::new();
     for (layer, plan) in plans.iter().enumerate() {
         let wanted = plan.wanted_tiles();
@@ -160,21 +188,29 @@ fn normal(world: &World, point: MapPoint, step_rad: f64) -> DVec2 {
     let at = relievo_engine::planet::clipmap::view::FocusFrame::at(point);
     let height = |d: DVec3| (world.height)((at.up + d * step_rad).normalize());
     let run_m = 2.0 * step_rad * world.planet.radius_m;
-    let slope = DVec2::new(height(at.east) - height(-at.east), height(-at.south) - height(at.south)) / run_m;
+    let slope = DVec2::new(
+        height(at.east) - height(-at.east),
+        height(-at.south) - height(at.south),
+    ) / run_m;
     -slope / (1.0 + slope.length_squared()).sqrt()
 }
 
 /// Draws a frame with a renderer and waits for the picture.
 pub(crate) fn draw(renderer: &mut Renderer, frame: &Frame) -> (Picture, FrameStats) {
-    let mut encoder = gpu().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let stats = renderer.render(frame, &mut encoder).unwrap();
+    let mut encoder = gpu()
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let stats = renderer
+        .render(frame, &mut encoder)
+        .expect("a good frame is drawn");
     gpu().queue.submit([encoder.finish()]);
-    (renderer.read_back().unwrap(), stats)
+    (renderer.read_back().expect("the device is there"), stats)
 }
 
 /// A fresh renderer.
 pub(crate) fn renderer() -> Renderer {
-    Renderer::new(gpu(), wgpu::TextureFormat::Rgba8Unorm, quality()).unwrap()
+    Renderer::new(gpu(), wgpu::TextureFormat::Rgba8Unorm, quality())
+        .expect("a mesh of whole sectors")
 }
 
 /// A sun at an azimuth and elevation in degrees over the camera.
@@ -183,7 +219,10 @@ pub(crate) fn sun(camera: &Camera, azimuth: f64, elevation: f64) -> Sun {
     let (sin_az, cos_az) = azimuth.to_radians().sin_cos();
     let (sin_el, cos_el) = elevation.to_radians().sin_cos();
     let direction_in_world = (at.east * sin_az - at.south * cos_az) * cos_el + at.up * sin_el;
-    Sun { direction_in_world, ambient: 0.35 }
+    Sun {
+        direction_in_world,
+        ambient: 0.35,
+    }
 }
 
 /// Hills that are smooth at every scale: waves of 500 km and 60 km on a sphere of Earth's size.
@@ -194,44 +233,17 @@ pub(crate) fn smooth_hills(p: DVec3) -> f64 {
 }
 
 /// Bounds of [`smooth_hills`].
-pub(crate) const SMOOTH_RANGE: HeightRange = HeightRange { min_m: -2150.0, max_m: 2150.0 };
+pub(crate) const SMOOTH_RANGE: HeightRange = HeightRange {
+    min_m: -2150.0,
+    max_m: 2150.0,
+};
 
 /// Colours without any edge.
 pub(crate) fn smooth_colour(p: DVec3) -> [f32; 3] {
-    [0.5 + 0.3 * (p.x * 9.0).sin(), 0.5 + 0.3 * (p.y * 8.0).cos(), 0.5 + 0.3 * (p.z * 10.0 + 1.0).sin()]
-        .map(|c: f64| c as f32)
-}
-
-/// Value noise of several octaves, about −1 to 1.
-pub(crate) fn noise(p: DVec3, octaves: u32) -> f64 {
-    let mut sum = 0.0;
-    let (mut frequency, mut weight) = (1.0, 0.5);
-    for octave in 0..octaves {
-        sum += weight * value_noise(p * frequency + f64::from(octave) * 17.3);
-        frequency *= 2.03;
-        weight *= 0.5;
-    }
-    sum
-}
-
-fn value_noise(p: DVec3) -> f64 {
-    let low = p.floor();
-    let t = p - low;
-    let t = t * t * (DVec3::splat(3.0) - 2.0 * t);
-    let corner = |dx: i64, dy: i64, dz: i64| {
-        let (x, y, z) = (low.x as i64 + dx, low.y as i64 + dy, low.z as i64 + dz);
-        let mut h = (x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ z.wrapping_mul(0xC2B2_AE3D)) as u64;
-        h = (h ^ (h >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        h = (h ^ (h >> 32)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (h >> 40) as f64 / f64::from(1_u32 << 23) - 1.0
-    };
-    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-    let plane = |dz| {
-        mix(
-            mix(corner(0, 0, dz), corner(1, 0, dz), t.x),
-            mix(corner(0, 1, dz), corner(1, 1, dz), t.x),
-            t.y,
-        )
-    };
-    mix(plane(0), plane(1), t.z)
+    [
+        0.5 + 0.3 * (p.x * 9.0).sin(),
+        0.5 + 0.3 * (p.y * 8.0).cos(),
+        0.5 + 0.3 * (p.z * 10.0 + 1.0).sin(),
+    ]
+    .map(|c: f64| c as f32)
 }

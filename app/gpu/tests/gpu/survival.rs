@@ -24,13 +24,16 @@ fn a_lost_device_is_reported_and_rebuilt() {
     let camera = camera(11.0, 47.0, 20_000.0, 200.0, -30.0);
     let frame = scene::frame(&WORLD, camera, SIZE, sun(&camera, 150.0, 50.0));
     let draw = |gpu: &Gpu, renderer: &mut Renderer| {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         renderer.render(&frame, &mut encoder)?;
         gpu.queue.submit([encoder.finish()]);
         Ok::<_, RenderError>(())
     };
     let first = Gpu::headless().unwrap();
-    let mut renderer = Renderer::new(&first, wgpu::TextureFormat::Rgba8Unorm, scene::quality()).unwrap();
+    let mut renderer =
+        Renderer::new(&first, wgpu::TextureFormat::Rgba8Unorm, scene::quality()).unwrap();
     draw(&first, &mut renderer).unwrap();
     let before = renderer.read_back().unwrap();
 
@@ -44,7 +47,10 @@ fn a_lost_device_is_reported_and_rebuilt() {
     let second = Gpu::headless().unwrap();
     let mut renderer = renderer.rebuilt(&second).unwrap();
     draw(&second, &mut renderer).unwrap();
-    assert!(renderer.read_back().unwrap() == before, "the same uploads give the same picture");
+    assert!(
+        renderer.read_back().unwrap() == before,
+        "the same uploads give the same picture"
+    );
 }
 
 #[test]
@@ -55,7 +61,9 @@ fn an_upload_that_does_not_fit_is_refused_and_the_next_frame_drawn() {
     let mut render = |uploads: Vec<Upload>| {
         let mut frame = good.clone();
         frame.uploads.extend(uploads);
-        let mut encoder = gpu().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu()
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let result = renderer.render(&frame, &mut encoder);
         gpu().queue.submit([encoder.finish()]);
         result
@@ -71,14 +79,20 @@ fn an_upload_that_does_not_fit_is_refused_and_the_next_frame_drawn() {
     let height = || Tile::uniform(Sample::Height(1.0));
     let colour = Tile::uniform(Sample::Rgba8([1, 2, 3, 4]));
     let wrong = render(vec![upload(colour, [0, 0], [0, 0], [1, 1])]);
-    assert!(matches!(wrong, Err(RenderError::Upload(UploadError::SampleType { .. }))));
+    assert!(matches!(
+        wrong,
+        Err(RenderError::Upload(UploadError::SampleType { .. }))
+    ));
     for (storage, source, size) in [
         ([255, 0], [0, 0], [2, 1]),
         ([0, 0], [200, 0], [57, 1]),
         ([0, u32::MAX], [0, 0], [1, 2]),
     ] {
         let wrong = render(vec![upload(height(), storage, source, size)]);
-        assert!(matches!(wrong, Err(RenderError::Upload(UploadError::Outside { .. }))), "{storage:?} {size:?}");
+        assert!(
+            matches!(wrong, Err(RenderError::Upload(UploadError::Outside { .. }))),
+            "{storage:?} {size:?}"
+        );
     }
     let mut far = upload(height(), [0, 0], [0, 0], [1, 1]);
     far.layer = u32::MAX;

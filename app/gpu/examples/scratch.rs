@@ -1,0 +1,32 @@
+//! scratch
+use relievo_engine::*;
+use relievo_gpu::*;
+use std::io::Write;
+use std::time::*;
+fn main() {
+    let args: Vec<String> = std::env::args().collect();
+    let t = Instant::now();
+    let (mut e, _) = Engine::open(args[1].as_ref(), EngineOptions { log: true, ..Default::default() }).unwrap();
+    let camera = e.project().camera.to_camera();
+    let cam = args.get(3).map_or(camera, |c| c.parse().unwrap());
+    let gpu = Gpu::headless().unwrap();
+    let q = Quality::for_adapter(gpu.class);
+    let mut r = Renderer::new(&gpu, wgpu::TextureFormat::Rgba8Unorm, q).unwrap();
+    println!("gpu {:?}", t.elapsed());
+    e.set_view(View { camera: cam, viewport_px: [1280, 960], colour_window: q.colour_window, colour_texel_px: 1.0, height_texel_px: 2.0 });
+    loop {
+        let f = e.drain(f32::INFINITY).unwrap();
+        let mut enc = gpu.device.create_command_encoder(&Default::default());
+        let stats = r.render(&f, &mut enc).unwrap();
+        gpu.queue.submit([enc.finish()]);
+        if f.is_converged() { println!("{stats:?} {:?}", t.elapsed()); break; }
+        e.wait(Duration::from_millis(100));
+    }
+    let p = r.read_back().unwrap();
+    let mut out = std::fs::File::create(&args[2]).unwrap();
+    write!(out, "P6\n1280 960\n255\n").unwrap();
+    let mut rgb = Vec::new();
+    for y in 0..960 { for x in 0..1280 { rgb.extend(&p.pixel(x, y)[..3]); } }
+    out.write_all(&rgb).unwrap();
+    println!("{:?} {:?}", e.stats(), e.messages());
+}
