@@ -144,7 +144,7 @@ impl Graph {
         // What another cut point hands through unchanged is made as that one is made.
         let source = match resolver.resolve(node, at).source {
             Source::Cut(content) => resolver.raw(content, at).source,
-            uniform_or_uncut => uniform_or_uncut,
+            uniform_or_uncut @ (Source::Uniform(_) | Source::Raw(_)) => uniform_or_uncut,
         };
         resolver.tiles_read(source, at)
     }
@@ -173,7 +173,7 @@ impl Graph {
         };
         let mut block =
             Maker::new(resolver, Reader::Tiles(inputs), cancel).make(source, stored.bands(), at)?;
-        round::block(&mut block, stored);
+        round::before_storing(&mut block, stored);
         Ok(Tile::from_block(&block, stored))
     }
 

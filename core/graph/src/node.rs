@@ -92,7 +92,7 @@ impl From<ReadError> for RenderError {
     fn from(error: ReadError) -> Self {
         match error {
             ReadError::Cancelled => Self::Cancelled,
-            other => Self::Read(other),
+            other @ (ReadError::Io { .. } | ReadError::Damaged { .. }) => Self::Read(other),
         }
     }
 }

@@ -130,7 +130,7 @@ impl Region {
     /// Copies from a block of the piece's samples.
     pub(super) fn copy_block(&self, piece: &Block, out: &mut Block) {
         self.copy(out, |from, out, to, size| {
-            out.copy_from(piece, from, to, size)
+            out.copy_from(piece, from, to, size);
         });
     }
 

@@ -1,4 +1,4 @@
-//! What decides a node's samples on a rectangle, and what that is called, before any is made.
+//! What decides a node's samples on a rectangle, before any is made.
 //!
 //! A node resolves to a [`Source`]: one value, the node's own samples, or the stored samples of a
 //! cut point. Nodes that are the identity resolve to what their input does, so everything after
@@ -7,6 +7,9 @@
 //! Walks use a stack of their own, not recursion, along runs of pointwise nodes: a project with
 //! thousands of layers must not overflow a worker's stack.
 
+mod names;
+
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use relievo_planet::{Grid, Lattice, LevelKey, SampleRect, TileKey};
@@ -14,7 +17,7 @@ use relievo_raster::{Bands, SampleType};
 
 use super::regions::{Region, regions, tile_key};
 use super::{Graph, NodeIndex, round};
-use crate::{ContentId, IdHasher, Known};
+use crate::{ContentId, Known};
 
 /// Where the samples of a node come from.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +53,16 @@ pub(super) struct Resolver<'a> {
     pub(super) graph: &'a Graph,
     lattice: Arc<Lattice>,
     level: Option<LevelKey>,
-    places: Vec<(SampleRect, Vec<Slot>)>,
+    places: Vec<Place>,
+}
+
+/// A rectangle, and what was found out about each node on it.
+struct Place {
+    rect: SampleRect,
+    /// Name of its grid.
+    grid: Option<ContentId>,
+    /// As far as the last node that was asked for.
+    slots: Vec<Slot>,
 }
 
 impl<'a> Resolver<'a> {
@@ -66,16 +78,20 @@ impl<'a> Resolver<'a> {
 
     /// A short name for a rectangle inside the lattice's extent.
     pub(super) fn place(&mut self, rect: SampleRect) -> usize {
-        if let Some(at) = self.places.iter().position(|(known, _)| *known == rect) {
+        if let Some(at) = self.places.iter().position(|place| place.rect == rect) {
             return at;
         }
-        self.places.push((rect, Vec::new()));
+        self.places.push(Place {
+            rect,
+            grid: None,
+            slots: Vec::new(),
+        });
         self.places.len() - 1
     }
 
     /// The rectangle of a place.
     pub(super) fn rect(&self, at: usize) -> SampleRect {
-        self.places[at].0
+        self.places[at].rect
     }
 
     /// The grid of a place.
@@ -93,28 +109,33 @@ impl<'a> Resolver<'a> {
         regions(&self.lattice, self.level, rect)
     }
 
-    fn slot(&self, node: NodeIndex, at: usize) -> Slot {
-        self.places[at]
-            .1
-            .get(node.at())
-            .copied()
-            .unwrap_or_default()
+    fn slot(&self, node: NodeIndex, at: usize) -> Option<&Slot> {
+        self.places[at].slots.get(node.at())
     }
 
     fn slot_mut(&mut self, node: NodeIndex, at: usize) -> &mut Slot {
-        let slots = &mut self.places[at].1;
+        let slots = &mut self.places[at].slots;
         if slots.len() <= node.at() {
             slots.resize(node.at() + 1, Slot::default());
         }
         &mut slots[node.at()]
     }
 
+    fn resolved(&self, node: NodeIndex, at: usize) -> Option<Value> {
+        self.slot(node, at)?.out
+    }
+
     /// A node's result as others read it: rounded if it is a cut point.
     pub(super) fn resolve(&mut self, node: NodeIndex, at: usize) -> Value {
+        if let Some(value) = self.resolved(node, at) {
+            return value;
+        }
         let graph = self.graph;
+        // Inputs have lower indices: room for all of them at once.
+        self.slot_mut(node, at);
         let mut stack = vec![node];
         while let Some(&top) = stack.last() {
-            if self.slot(top, at).out.is_none() {
+            if self.resolved(top, at).is_none() {
                 let entry = graph.entry(top);
                 let before = stack.len();
                 if entry.node.is_pointwise() {
@@ -122,7 +143,7 @@ impl<'a> Resolver<'a> {
                         entry
                             .inputs
                             .iter()
-                            .filter(|i| self.slot(**i, at).out.is_none()),
+                            .filter(|i| self.resolved(**i, at).is_none()),
                     );
                 }
                 if stack.len() > before {
@@ -136,13 +157,15 @@ impl<'a> Resolver<'a> {
             }
             stack.pop();
         }
-        self.slot(node, at).out.expect("just resolved")
+        self.resolved(node, at).expect("just resolved")
     }
 
     /// A node's result before it is rounded.
     pub(super) fn raw(&mut self, node: NodeIndex, at: usize) -> Value {
         self.resolve(node, at);
-        self.slot(node, at).raw.expect("just resolved")
+        self.slot(node, at)
+            .and_then(|slot| slot.raw)
+            .expect("just resolved")
     }
 
     /// A node's result from its inputs' results, which are there already if it is pointwise.
@@ -165,12 +188,24 @@ impl<'a> Resolver<'a> {
         if let Some(k) = entry.node.identity(&grid, known) {
             return self.resolve(entry.inputs[k], at);
         }
-        let known = entry.node.known(&grid, known);
-        let source = match known {
-            Known::Uniform(value) => Source::Uniform(value),
-            Known::Nothing | Known::Complete => Source::Raw(node),
-        };
-        Value { source, known }
+        match entry.node.known(&grid, known) {
+            Known::Uniform(value) => {
+                // Zeros of one kind, as if it were stored exactly: then a pin changes nothing.
+                let value = if entry.node.output() == Bands::Colour {
+                    round::value(value, SampleType::Rgba32F)
+                } else {
+                    value
+                };
+                Value {
+                    source: Source::Uniform(value),
+                    known: Known::Uniform(value),
+                }
+            }
+            known @ (Known::Nothing | Known::Complete) => Value {
+                source: Source::Raw(node),
+                known,
+            },
+        }
     }
 
     fn known_of_input(&mut self, node: NodeIndex, k: usize, input: NodeIndex, at: usize) -> Known {
@@ -205,56 +240,6 @@ impl<'a> Resolver<'a> {
         all.unwrap_or(Known::Nothing)
     }
 
-    /// Name of a tile that stores `source`, which is what a cut point of type `stored` resolved to.
-    pub(super) fn tile_id(&mut self, source: Source, stored: SampleType, at: usize) -> ContentId {
-        match source {
-            Source::Uniform(value) => {
-                let mut id = IdHasher::default();
-                add_uniform(value, type_tag(stored), &mut id);
-                id.finish()
-            }
-            Source::Raw(_) | Source::Cut(_) => self.id(source, at),
-        }
-    }
-
-    fn known_id(&self, source: Source, at: usize) -> Option<ContentId> {
-        match source {
-            Source::Uniform(_) => None,
-            Source::Raw(node) => self.slot(node, at).raw_id,
-            Source::Cut(node) => self.slot(node, at).cut_id,
-        }
-    }
-
-    /// Name of samples that are not uniform.
-    fn id(&mut self, source: Source, at: usize) -> ContentId {
-        let mut stack = vec![source];
-        while let Some(&top) = stack.last() {
-            if self.known_id(top, at).is_none() {
-                let before = stack.len();
-                self.for_each_source_here(top, at, |this, source| {
-                    if !matches!(source, Source::Uniform(_)) && this.known_id(source, at).is_none()
-                    {
-                        stack.push(source);
-                    }
-                });
-                if stack.len() > before {
-                    continue;
-                }
-                match top {
-                    Source::Raw(node) => {
-                        self.slot_mut(node, at).raw_id = Some(self.raw_id(node, at))
-                    }
-                    Source::Cut(node) => {
-                        self.slot_mut(node, at).cut_id = Some(self.cut_id(node, at))
-                    }
-                    Source::Uniform(_) => {}
-                }
-            }
-            stack.pop();
-        }
-        self.known_id(source, at).expect("just named")
-    }
-
     /// Calls `each` with what `source` reads on the same rectangle.
     fn for_each_source_here(
         &mut self,
@@ -276,82 +261,6 @@ impl<'a> Resolver<'a> {
                         each(self, source);
                     }
                 }
-            }
-        }
-    }
-
-    fn cut_id(&mut self, node: NodeIndex, at: usize) -> ContentId {
-        let mut id = IdHasher::default();
-        let stored = self.graph.entry(node).cut.expect("a cut point");
-        let raw = self.raw(node, at).source;
-        if let (SampleType::Rgba32F, Source::Raw(_)) = (stored, raw) {
-            // Colours kept exactly are what the node gives: a pin renames nothing that reads it.
-            return self.known_id(raw, at).expect("inputs are named first");
-        }
-        id.bytes(b"cut").int(type_tag(stored));
-        self.add(raw, at, &mut id);
-        id.finish()
-    }
-
-    fn raw_id(&mut self, node: NodeIndex, at: usize) -> ContentId {
-        let entry = self.graph.entry(node);
-        let mut id = IdHasher::default();
-        id.bytes(entry.node.kind().as_bytes())
-            .int(i64::from(entry.node.version()));
-        entry.node.identify(&self.grid(at), &mut id);
-        id.int(entry.inputs.len() as i64);
-        for (k, input) in entry.inputs.iter().enumerate() {
-            if entry.node.is_pointwise() {
-                let source = self.resolve(*input, at).source;
-                self.add(source, at, &mut id);
-            } else {
-                let rect = entry.node.required(k, self.rect(at));
-                self.add_surroundings(*input, &rect, &mut id);
-            }
-        }
-        id.finish()
-    }
-
-    /// Names everything a rectangle touches, and how it is put together.
-    fn add_surroundings(&mut self, input: NodeIndex, rect: &SampleRect, id: &mut IdHasher) {
-        if let Known::Uniform(value) = self.known_over(input, rect) {
-            add_uniform(value, UNSTORED, id);
-            return;
-        }
-        let regions = self.regions(rect);
-        id.int(regions.len() as i64);
-        for region in regions {
-            let Region {
-                from,
-                to,
-                size,
-                over_pole,
-                ..
-            } = region;
-            for (x, y) in [from, to, size] {
-                id.int((x as i64) << 32 | y as i64);
-            }
-            id.int(i64::from(over_pole));
-            let at = self.place(region.piece);
-            let source = self.resolve(input, at).source;
-            self.id_if_needed(source, at);
-            self.add(source, at, id);
-        }
-    }
-
-    fn id_if_needed(&mut self, source: Source, at: usize) {
-        if !matches!(source, Source::Uniform(_)) {
-            self.id(source, at);
-        }
-    }
-
-    /// Adds a value, or a name that is there already.
-    fn add(&self, source: Source, at: usize, id: &mut IdHasher) {
-        match source {
-            Source::Uniform(value) => add_uniform(value, UNSTORED, id),
-            Source::Raw(_) | Source::Cut(_) => {
-                id.bytes(b"id")
-                    .id(self.known_id(source, at).expect("inputs are named first"));
             }
         }
     }
@@ -407,7 +316,7 @@ impl<'a> Resolver<'a> {
     pub(super) fn made_by(&mut self, node: NodeIndex, rect: &SampleRect) -> Vec<NodeIndex> {
         let graph = self.graph;
         let mut nodes = Vec::new();
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::new();
         let mut stack: Vec<(NodeIndex, usize)> = Vec::new();
         for region in self.regions(rect) {
             stack.push((node, self.place(region.piece)));
@@ -454,6 +363,8 @@ fn rounded(graph: &Graph, node: NodeIndex, raw: Value) -> Value {
         return raw;
     };
     match raw.source {
+        // Kept exactly, it is what others read without the cut point.
+        Source::Cut(_) if to == SampleType::Rgba32F => raw,
         Source::Uniform(value) => {
             let value = round::value(value, to);
             Value {
@@ -461,37 +372,10 @@ fn rounded(graph: &Graph, node: NodeIndex, raw: Value) -> Value {
                 known: Known::Uniform(value),
             }
         }
-        Source::Cut(inner) if graph.entry(inner).cut == Some(to) || to == SampleType::Rgba32F => raw,
+        Source::Cut(inner) if graph.entry(inner).cut == Some(to) => raw,
         Source::Raw(_) | Source::Cut(_) => Value {
             source: Source::Cut(node),
             known: raw.known,
         },
-    }
-}
-
-/// In place of a sample type for values between nodes.
-const UNSTORED: i64 = 0;
-
-/// Stable over versions of the program, unlike the order of an enum.
-fn type_tag(stored: SampleType) -> i64 {
-    match stored {
-        SampleType::Height => 1,
-        SampleType::Rgba8 => 2,
-        SampleType::Rgba16F => 3,
-        SampleType::Rgba32F => 4,
-        SampleType::Mask => 5,
-        SampleType::Normal => 6,
-    }
-}
-
-fn add_uniform(value: [f32; 4], tag: i64, id: &mut IdHasher) {
-    id.bytes(b"uniform").int(tag);
-    for v in value {
-        // By its bits, not as a number: an uncut −0 is another input than 0.
-        id.int(if v.is_nan() {
-            i64::MIN
-        } else {
-            i64::from(v.to_bits())
-        });
     }
 }

@@ -120,7 +120,7 @@ impl<'a> Maker<'a> {
                     Stored::Block(block) => region.copy_block(&block, &mut out),
                 },
                 source @ Source::Raw(_) => {
-                    region.copy_block(&self.make(source, bands, at)?, &mut out)
+                    region.copy_block(&self.make(source, bands, at)?, &mut out);
                 }
             }
         }

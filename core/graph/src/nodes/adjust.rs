@@ -5,11 +5,14 @@ mod power;
 use relievo_planet::Grid;
 use relievo_raster::{Bands, Block};
 
-use crate::{IdHasher, ImageNode, Job, Known, RenderError};
+use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 use power::power;
 
 /// Rec. 709 weights of red, green and blue in luma.
 const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Samples that are worked on together.
+const LANES: usize = 16;
 
 /// What to adjust; the default changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +68,8 @@ pub struct Adjust {
     matrix: [[f32; 4]; 3],
     /// 1 / γ.
     exponent: f32,
+    /// Of both.
+    name: ContentId,
 }
 
 impl Adjust {
@@ -92,9 +97,16 @@ impl Adjust {
             map = after(&luma_mix(saturation), &map);
         }
         let gamma = sane(params.gamma, 1.0).clamp(0.01, 100.0);
+        let matrix = map.map(|row| row.map(|v| v as f32 + 0.0));
+        let exponent = (1.0 / gamma) as f32;
+        let mut name = IdHasher::default();
+        for v in matrix.as_flattened() {
+            name.float(f64::from(*v));
+        }
         Self {
-            matrix: map.map(|row| row.map(|v| v as f32 + 0.0)),
-            exponent: (1.0 / gamma) as f32,
+            matrix,
+            exponent,
+            name: name.float(f64::from(exponent)).finish(),
         }
     }
 
@@ -108,6 +120,22 @@ impl Adjust {
         m[0] * rgb[0] + m[1] * rgb[1] + m[2] * rgb[2] + m[3]
     }
 
+    /// One channel of some colours.
+    #[inline]
+    fn adjust(
+        &self,
+        row: usize,
+        [r, g, b, a]: [&[f32; LANES]; 4],
+        out: &mut [f32; LANES],
+        last: impl Fn(f32) -> f32,
+    ) {
+        for (l, v) in out.iter_mut().enumerate() {
+            let adjusted = last(self.channel(row, [r[l], g[l], b[l]]));
+            *v = if a[l] > 0.0 { adjusted } else { 0.0 };
+        }
+    }
+
+    /// One colour.
     fn colour(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
         let mut out = [0.0; 4];
         if a > 0.0 {
@@ -171,6 +199,10 @@ impl ImageNode for Adjust {
         "adjust"
     }
 
+    fn version(&self) -> u32 {
+        2
+    }
+
     fn output(&self) -> Bands {
         Bands::Colour
     }
@@ -180,16 +212,13 @@ impl ImageNode for Adjust {
     }
 
     fn identify(&self, _grid: &Grid, id: &mut IdHasher) {
-        for v in self.matrix.as_flattened() {
-            id.float(f64::from(*v));
-        }
-        id.float(f64::from(self.exponent));
+        id.id(self.name);
     }
 
     fn known(&self, _grid: &Grid, inputs: &[Known]) -> Known {
         match inputs[0] {
             Known::Uniform(rgba) => Known::Uniform(self.colour(rgba)),
-            other => other,
+            unknown @ (Known::Complete | Known::Nothing) => unknown,
         }
     }
 
@@ -198,21 +227,32 @@ impl ImageNode for Adjust {
     }
 
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        let [ri, gi, bi, ai]: [&[f32]; 4] = core::array::from_fn(|plane| inputs[0].plane(plane));
-        let [r, g, b, a] = out.planes_mut();
-        a.copy_from_slice(ai);
-        for (row, plane) in [r, g, b].into_iter().enumerate() {
-            let places = plane.iter_mut().zip(ri).zip(gi).zip(bi).zip(ai);
-            if self.exponent == 1.0 {
-                for ((((v, r), g), b), a) in places {
-                    let affine = self.channel(row, [*r, *g, *b]);
-                    *v = if *a > 0.0 { affine } else { 0.0 };
+        let planes: [&[f32]; 4] = core::array::from_fn(|plane| inputs[0].plane(plane));
+        let mut out: [&mut [f32]; 4] = out.planes_mut();
+        out[3].copy_from_slice(planes[3]);
+        // Whole lanes at a time, so that the loops inside have a fixed length and run on vectors.
+        let whole = planes[0].len() / LANES * LANES;
+        for first in (0..whole).step_by(LANES) {
+            let lanes: [&[f32; LANES]; 4] = planes.map(|plane| {
+                plane[first..]
+                    .first_chunk()
+                    .expect("as many samples are left")
+            });
+            for (row, plane) in out.iter_mut().take(3).enumerate() {
+                let out = plane[first..]
+                    .first_chunk_mut()
+                    .expect("as many samples are left");
+                if self.exponent == 1.0 {
+                    self.adjust(row, lanes, out, |v| v);
+                } else {
+                    self.adjust(row, lanes, out, |v| power(v, self.exponent));
                 }
-            } else {
-                for ((((v, r), g), b), a) in places {
-                    let powered = power(self.channel(row, [*r, *g, *b]), self.exponent);
-                    *v = if *a > 0.0 { powered } else { 0.0 };
-                }
+            }
+        }
+        for i in whole..planes[0].len() {
+            let rgba = self.colour(planes.map(|plane| plane[i]));
+            for (plane, v) in out.iter_mut().take(3).zip(rgba) {
+                plane[i] = v;
             }
         }
         Ok(())

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use relievo_planet::{Grid, GridCrs, Lattice, SampleRect};
+use relievo_planet::{Grid, Lattice, SampleRect};
 use relievo_raster::{Bands, Block};
 
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
@@ -32,7 +32,7 @@ impl Memory {
             "a sample for each place"
         );
         let mut id = IdHasher::default();
-        add_lattice(&grid.lattice, &mut id);
+        id.lattice(&grid.lattice);
         for corner in [grid.rect.min, grid.rect.max] {
             id.int(corner.x).int(corner.y);
         }
@@ -79,25 +79,9 @@ impl Memory {
     }
 }
 
-/// Adds everything that says where a lattice's samples lie.
-pub(crate) fn add_lattice(lattice: &Lattice, id: &mut IdHasher) {
-    match &lattice.crs {
-        GridCrs::Map => id.bytes(b"map"),
-        GridCrs::Projected(crs) => id.bytes(b"projected").bytes(crs.as_bytes()),
-    };
-    id.float(lattice.origin.x)
-        .float(lattice.origin.y)
-        .float(lattice.step.x)
-        .float(lattice.step.y);
-    id.int(lattice.columns_around.unwrap_or(-1));
-}
-
 /// Adds a grid: its lattice and its rectangle.
 pub(crate) fn add_grid(grid: &Grid, id: &mut IdHasher) {
-    add_lattice(&grid.lattice, id);
-    for corner in [grid.rect.min, grid.rect.max] {
-        id.int(corner.x).int(corner.y);
-    }
+    id.grid(grid);
 }
 
 impl ImageNode for Memory {

@@ -7,8 +7,9 @@ use relievo_planet::{Grid, GridCrs, Planet};
 use relievo_raster::{Bands, Block};
 
 use super::ground::Ground;
+use super::light::{LANES, Lanes};
 use super::memory::add_grid;
-use crate::{IdHasher, ImageNode, Job, Known, RenderError};
+use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 use simplex::simplex;
 
 const KIND: &str = "noise";
@@ -21,7 +22,7 @@ pub const MAX_OCTAVES: u32 = 32;
 pub struct NoiseParams {
     /// Another seed gives unrelated noise.
     pub seed: u64,
-    /// Largest height of the first octave in metres.
+    /// Largest height of the first octave in metres, clamped to ±10³⁰.
     pub amplitude_m: f64,
     /// Size of the first octave's features in metres on the ground, at least 0.01.
     pub wavelength_m: f64,
@@ -42,8 +43,26 @@ struct Octave {
     scale: f64,
     wavelength_m: f64,
     amplitude_m: f64,
-    seed: u64,
+    seed: u32,
 }
+
+impl Octave {
+    /// The amplitude on a grid with samples of this size: 0 where they cannot show the octave.
+    fn shown_m(&self, spacing_m: f64) -> f32 {
+        let t = ((self.wavelength_m / spacing_m - 2.0) / 2.0).clamp(0.0, 1.0);
+        (self.amplitude_m * (t * t * (3.0 - 2.0 * t))) as f32
+    }
+}
+
+/// Scrambles all bits (the finaliser of SplitMix64, G. Steele and others, 2014).
+fn scrambled(seed: u64) -> u64 {
+    let h = (seed ^ (seed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    h ^ (h >> 31)
+}
+
+/// Unit vectors to some samples, axis by axis.
+type Units = [[f64; LANES]; 3];
 
 /// Fractal simplex noise in metres of height. No inputs.
 ///
@@ -59,6 +78,8 @@ pub struct Noise {
     planet: Planet,
     params: NoiseParams,
     octaves: Vec<Octave>,
+    /// Of the parameters and the sphere.
+    name: ContentId,
 }
 
 impl Noise {
@@ -66,7 +87,7 @@ impl Noise {
     pub fn new(planet: Planet, params: &NoiseParams) -> Self {
         let sane = |v: f64, default: f64| if v.is_finite() { v } else { default };
         let params = NoiseParams {
-            amplitude_m: sane(params.amplitude_m, 0.0),
+            amplitude_m: sane(params.amplitude_m, 0.0).clamp(-1e30, 1e30),
             wavelength_m: sane(params.wavelength_m, 1000.0).max(0.01),
             octaves: params.octaves.min(MAX_OCTAVES),
             lacunarity: sane(params.lacunarity, 2.0).clamp(1.01, 100.0),
@@ -80,56 +101,49 @@ impl Noise {
             if wavelength_m < 0.01 || amplitude_m == 0.0 {
                 break;
             }
-            let seed = params
-                .seed
-                .wrapping_add(u64::from(octave))
-                .wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            let seed = scrambled(scrambled(params.seed).wrapping_add(u64::from(octave)));
             octaves.push(Octave {
                 scale: planet.radius_m / wavelength_m,
                 wavelength_m,
                 amplitude_m,
-                seed,
+                seed: (seed >> 32) as u32,
             });
             wavelength_m /= params.lacunarity;
             amplitude_m *= params.gain;
+        }
+        let mut name = IdHasher::default();
+        name.int(params.seed as i64)
+            .int(i64::from(params.octaves))
+            .int(i64::from(params.ridged));
+        for v in [
+            params.amplitude_m,
+            params.wavelength_m,
+            params.lacunarity,
+            params.gain,
+            planet.radius_m,
+        ] {
+            name.float(v);
         }
         Self {
             planet,
             params,
             octaves,
+            name: name.finish(),
         }
     }
 
-    /// Octaves that a grid with samples of this size can show, with their faded amplitudes.
-    fn shown(&self, spacing_m: f64, shown: &mut Vec<Octave>) {
-        shown.clear();
-        for octave in &self.octaves {
-            let t = (octave.wavelength_m / spacing_m - 2.0) / 2.0;
-            if t > 0.0 {
-                let t = t.min(1.0);
-                let fade = t * t * (3.0 - 2.0 * t);
-                shown.push(Octave {
-                    amplitude_m: octave.amplitude_m * fade,
-                    ..*octave
-                });
+    /// Adds an octave to heights in metres.
+    fn add(&self, octave: &Octave, unit: &Units, amplitude_m: &Lanes, height_m: &mut Lanes) {
+        let mut noise = [0.0; LANES];
+        simplex(unit, octave.scale, octave.seed, &mut noise);
+        if self.params.ridged {
+            for n in &mut noise {
+                *n = 1.0 - 2.0 * n.abs();
             }
         }
-    }
-
-    /// The sum of octaves at a unit vector.
-    #[inline]
-    fn height_m(&self, unit: [f64; 3], octaves: &[Octave]) -> f32 {
-        let mut height_m = 0.0;
-        for octave in octaves {
-            let n = simplex(unit.map(|v| v * octave.scale), octave.seed);
-            let n = if self.params.ridged {
-                1.0 - 2.0 * n.abs()
-            } else {
-                n
-            };
-            height_m += octave.amplitude_m * n;
+        for ((h, n), a) in height_m.iter_mut().zip(&noise).zip(amplitude_m) {
+            *h += *a * *n;
         }
-        height_m as f32
     }
 
     fn render_map(&self, job: &Job, out: &mut Block) -> Result<(), RenderError> {
@@ -139,7 +153,7 @@ impl Noise {
         let columns: Vec<(f64, f64)> = (rect.min.x..rect.max.x)
             .map(|x| libm::sincos(lattice.centre(I64Vec2::new(x, 0)).x))
             .collect();
-        let mut octaves = Vec::new();
+        let mut unit: Units = [[0.0; LANES]; 3];
         for (line, y) in out
             .plane_mut(0)
             .chunks_exact_mut(columns.len().max(1))
@@ -152,12 +166,21 @@ impl Noise {
             let spacing = DVec2::new(lattice.step.x * sin_colat, lattice.step.y)
                 .abs()
                 .max_element();
-            self.shown(spacing * self.planet.radius_m, &mut octaves);
-            for (h, (sin_lon, cos_lon)) in line.iter_mut().zip(&columns) {
-                *h = self.height_m(
-                    [sin_colat * cos_lon, sin_colat * sin_lon, cos_colat],
-                    &octaves,
-                );
+            let spacing_m = spacing * self.planet.radius_m;
+            unit[2] = [cos_colat; LANES];
+            for (line, columns) in line.chunks_mut(LANES).zip(columns.chunks(LANES)) {
+                for (l, (sin_lon, cos_lon)) in columns.iter().enumerate() {
+                    unit[0][l] = sin_colat * cos_lon;
+                    unit[1][l] = sin_colat * sin_lon;
+                }
+                let mut height_m = [0.0; LANES];
+                for octave in &self.octaves {
+                    let amplitude_m = octave.shown_m(spacing_m);
+                    if amplitude_m != 0.0 {
+                        self.add(octave, &unit, &[amplitude_m; LANES], &mut height_m);
+                    }
+                }
+                line.copy_from_slice(&height_m[..line.len()]);
             }
         }
         Ok(())
@@ -167,20 +190,34 @@ impl Noise {
         let Grid { lattice, rect } = job.grid;
         let ground = Ground::new(lattice, KIND)?;
         let width = out.width().max(1);
-        let mut octaves = Vec::new();
+        let mut unit: Units = [[0.0; LANES]; 3];
         for (line, y) in out.plane_mut(0).chunks_exact_mut(width).zip(rect.min.y..) {
             if job.cancel.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            for (h, x) in line.iter_mut().zip(rect.min.x..) {
-                let sample = I64Vec2::new(x, y);
-                let place = ground
-                    .point(sample.as_dvec2() + 0.5)
-                    .zip(ground.steps_m(&self.planet, sample));
-                *h = place.map_or(f32::NAN, |(point, [column, row])| {
-                    self.shown(column.length().max(row.length()), &mut octaves);
-                    self.height_m(point.to_unit().to_array(), &octaves)
-                });
+            for (line, first) in line.chunks_mut(LANES).zip((rect.min.x..).step_by(LANES)) {
+                let mut spacing_m = [f64::INFINITY; LANES];
+                let mut height_m = [f32::NAN; LANES];
+                for l in 0..line.len() {
+                    let sample = I64Vec2::new(first + l as i64, y);
+                    let place = ground
+                        .point(sample.as_dvec2() + 0.5)
+                        .zip(ground.steps_m(&self.planet, sample));
+                    if let Some((point, [column, row])) = place {
+                        spacing_m[l] = column.length().max(row.length());
+                        height_m[l] = 0.0;
+                        for (axis, v) in point.to_unit().to_array().into_iter().enumerate() {
+                            unit[axis][l] = v;
+                        }
+                    }
+                }
+                for octave in &self.octaves {
+                    let amplitude_m = spacing_m.map(|spacing_m| octave.shown_m(spacing_m));
+                    if amplitude_m.iter().any(|a| *a != 0.0) {
+                        self.add(octave, &unit, &amplitude_m, &mut height_m);
+                    }
+                }
+                line.copy_from_slice(&height_m[..line.len()]);
             }
         }
         Ok(())
@@ -192,6 +229,10 @@ impl ImageNode for Noise {
         KIND
     }
 
+    fn version(&self) -> u32 {
+        2
+    }
+
     fn output(&self) -> Bands {
         Bands::Height
     }
@@ -201,19 +242,7 @@ impl ImageNode for Noise {
     }
 
     fn identify(&self, grid: &Grid, id: &mut IdHasher) {
-        let p = &self.params;
-        id.int(p.seed as i64)
-            .int(i64::from(p.octaves))
-            .int(i64::from(p.ridged));
-        for v in [
-            p.amplitude_m,
-            p.wavelength_m,
-            p.lacunarity,
-            p.gain,
-            self.planet.radius_m,
-        ] {
-            id.float(v);
-        }
+        id.id(self.name);
         if grid.lattice.crs != GridCrs::Map {
             id.float(self.planet.equatorial_radius_m)
                 .float(self.planet.flattening);

@@ -5,7 +5,6 @@ use relievo_planet::{Grid, GridCrs, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
 
 use super::ground::Ground;
-use super::memory::add_lattice;
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
 
 const KIND: &str = "normals";
@@ -130,7 +129,7 @@ impl ImageNode for Normals {
                 .float(grid.lattice.step.y);
         } else {
             id.int(grid.rect.min.x).int(grid.rect.max.x);
-            add_lattice(&grid.lattice, id);
+            id.lattice(&grid.lattice);
         }
     }
 

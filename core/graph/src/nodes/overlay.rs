@@ -4,6 +4,7 @@ use relievo_planet::Grid;
 use relievo_raster::colour::Transfer;
 use relievo_raster::{Bands, Block};
 
+use super::light::{LANES, Lanes, Light};
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
 
 /// How the colours of two layers meet, before they are mixed by alpha.
@@ -83,7 +84,7 @@ impl Overlay {
         }
     }
 
-    fn mask_known(&self, inputs: &[Known]) -> Known {
+    fn mask_known(self, inputs: &[Known]) -> Known {
         if self.masked {
             inputs[2]
         } else {
@@ -91,8 +92,8 @@ impl Overlay {
         }
     }
 
-    #[inline]
-    fn composite(&self, transfer: Transfer, base: [f32; 4], top: [f32; 4], weight: f32) -> [f32; 4] {
+    /// One sample.
+    fn composite(self, transfer: Transfer, base: [f32; 4], top: [f32; 4], weight: f32) -> [f32; 4] {
         let [br, bg, bb, ab] = base;
         let at = top[3] * weight;
         if at <= 0.0 || at.is_nan() {
@@ -119,6 +120,112 @@ impl Overlay {
             transfer.encode((at * met + (1.0 - at) * ab * transfer.decode(b)) / alpha)
         });
         [r, g, b, alpha]
+    }
+}
+
+/// Some samples: red, green, blue, alpha.
+type Colours = [Lanes; 4];
+
+/// Which inputs decide a sample, in the order in which [`Overlay::composite`] asks.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Decides {
+    Base,
+    Top,
+    /// B of both.
+    Blend,
+    /// A mixture in linear light.
+    Mix,
+}
+
+impl Overlay {
+    #[inline]
+    fn decides(self, top_alpha: f32, base_alpha: f32) -> Decides {
+        let shown = top_alpha > 0.0;
+        let hides = base_alpha <= 0.0 || (top_alpha >= 1.0 && self.mode == BlendMode::Normal);
+        let full = top_alpha >= 1.0 && base_alpha >= 1.0;
+        let over = if full { Decides::Blend } else { Decides::Mix };
+        let over = if hides { Decides::Top } else { over };
+        if shown { over } else { Decides::Base }
+    }
+
+    /// [`Self::composite`] of some samples, the same bits: `base` becomes the result.
+    fn composite_lanes(self, light: &Light, base: &mut Colours, top: &Colours, weight: &Lanes) {
+        let mut alpha_t = top[3];
+        for (a, w) in alpha_t.iter_mut().zip(weight) {
+            *a *= w;
+        }
+        let decides: [Decides; LANES] =
+            core::array::from_fn(|l| self.decides(alpha_t[l], base[3][l]));
+        let all = |one| decides.iter().all(|d| *d == one);
+        if all(Decides::Base) {
+            return;
+        }
+        if all(Decides::Top) {
+            base[..3].copy_from_slice(&top[..3]);
+            base[3] = alpha_t;
+            return;
+        }
+        let mixes = decides.contains(&Decides::Mix);
+        let alpha_b = base[3];
+        for l in 0..LANES {
+            let (at, ab) = (alpha_t[l], alpha_b[l]);
+            let mixed = if ab >= 1.0 { ab } else { at + ab * (1.0 - at) };
+            base[3][l] = match decides[l] {
+                Decides::Base => ab,
+                Decides::Top | Decides::Blend => at,
+                Decides::Mix => mixed,
+            };
+        }
+        let alpha = base[3];
+        for (base, top) in base.iter_mut().zip(top).take(3) {
+            let mut mixed = self.blend_lanes(base, top);
+            let blended = mixed;
+            if mixes {
+                let (mut light_b, mut light_t) = (*base, *top);
+                light.decode(&mut light_b);
+                light.decode(&mut light_t);
+                if self.mode != BlendMode::Normal {
+                    light.decode(&mut mixed);
+                    for l in 0..LANES {
+                        light_t[l] += alpha_b[l] * (mixed[l] - light_t[l]);
+                    }
+                }
+                for l in 0..LANES {
+                    let at = alpha_t[l];
+                    let sum = at * light_t[l] + (1.0 - at) * alpha_b[l] * light_b[l];
+                    // What is not mixed would only be slow to encode.
+                    mixed[l] = if decides[l] == Decides::Mix {
+                        sum / alpha[l]
+                    } else {
+                        0.0
+                    };
+                }
+                light.encode(&mut mixed);
+            }
+            for l in 0..LANES {
+                base[l] = match decides[l] {
+                    Decides::Base => base[l],
+                    Decides::Top => top[l],
+                    Decides::Blend => blended[l],
+                    Decides::Mix => mixed[l],
+                };
+            }
+        }
+    }
+
+    /// B of one channel of some samples.
+    fn blend_lanes(self, base: &Lanes, top: &Lanes) -> Lanes {
+        let each = |blend: fn(f32, f32) -> f32| -> Lanes {
+            core::array::from_fn(|l| blend(base[l], top[l]))
+        };
+        // Each arm is a loop of its own.
+        match self.mode {
+            BlendMode::Normal => *top,
+            BlendMode::Multiply => each(|b, t| BlendMode::Multiply.blend(b, t)),
+            BlendMode::Add => each(|b, t| BlendMode::Add.blend(b, t)),
+            BlendMode::Screen => each(|b, t| BlendMode::Screen.blend(b, t)),
+            BlendMode::Overlay => each(|b, t| BlendMode::Overlay.blend(b, t)),
+        }
     }
 }
 
@@ -155,7 +262,12 @@ impl ImageNode for Overlay {
         if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) =
             (inputs[0], inputs[1], mask)
         {
-            return Known::Uniform(self.composite(Transfer::srgb(), base, top, self.opacity * mask));
+            return Known::Uniform(self.composite(
+                Transfer::srgb(),
+                base,
+                top,
+                self.opacity * mask,
+            ));
         }
         let covered = self.opacity == 1.0
             && inputs[1].is_complete(Bands::Colour)
@@ -179,15 +291,27 @@ impl ImageNode for Overlay {
     }
 
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        let (base, top) = (inputs[0], inputs[1]);
-        let mask = self.masked.then(|| inputs[2].plane(0));
-        let [bp, tp]: [[&[f32]; 4]; 2] =
-            [base, top].map(|block| core::array::from_fn(|plane| block.plane(plane)));
-        let transfer = Transfer::srgb();
-        let [r, g, b, a] = out.planes_mut();
-        for i in 0..a.len() {
-            let weight = mask.map_or(self.opacity, |m| self.opacity * m[i]);
-            [r[i], g[i], b[i], a[i]] = self.composite(transfer, bp.map(|p| p[i]), tp.map(|p| p[i]), weight);
+        let light = Light::srgb();
+        let mut out: [&mut [f32]; 4] = out.planes_mut();
+        let [mut base, mut top]: [Colours; 2] = [[[0.0; LANES]; 4]; 2];
+        let mut weight = [self.opacity; LANES];
+        for first in (0..out[0].len()).step_by(LANES) {
+            // What lies beyond the last sample is left over from before and written nowhere.
+            let n = LANES.min(out[0].len() - first);
+            for (lanes, input) in [&mut base, &mut top].into_iter().zip(inputs) {
+                for (plane, lanes) in lanes.iter_mut().enumerate() {
+                    lanes[..n].copy_from_slice(&input.plane(plane)[first..first + n]);
+                }
+            }
+            if self.masked {
+                for (w, m) in weight.iter_mut().zip(&inputs[2].plane(0)[first..first + n]) {
+                    *w = self.opacity * m;
+                }
+            }
+            self.composite_lanes(light, &mut base, &top, &weight);
+            for (plane, lanes) in out.iter_mut().zip(&base) {
+                plane[first..first + n].copy_from_slice(&lanes[..n]);
+            }
         }
         Ok(())
     }
@@ -234,6 +358,34 @@ mod tests {
         #[test]
         fn nothing_below_leaves_the_top_to_the_bit(top in colours(), mode in 0..5_usize) {
             prop_assert_eq!(Overlay::new(MODES[mode], 1.0, false).composite(Transfer::srgb(), [0.0; 4], top, 1.0), top);
+        }
+
+        #[test]
+        fn many_samples_agree_with_single_ones_to_the_bit(
+            samples in prop::collection::vec((colours(), colours(), prop_oneof![Just(0.0_f32), Just(1.0), 0.0..1.0_f32]), LANES),
+            mode in 0..5_usize, kind in 0..5_usize,
+        ) {
+            // All kinds of samples together, and lanes of one kind.
+            let samples: Vec<_> = samples.into_iter().map(|(mut base, mut top, mut w)| {
+                if kind == 1 { top = [0.0; 4]; }
+                if kind >= 2 { (top[3], w) = (1.0, 1.0); }
+                if kind == 3 { base = [0.0; 4]; }
+                if kind == 4 { base[3] = 1.0; }
+                (base, top, w)
+            }).collect();
+            let node = Overlay::new(MODES[mode], 1.0, true);
+            let lanes = |pick: fn(&([f32; 4], [f32; 4], f32)) -> [f32; 4]| -> Colours {
+                core::array::from_fn(|plane| core::array::from_fn(|l| pick(&samples[l])[plane]))
+            };
+            let (mut base, top) = (lanes(|s| s.0), lanes(|s| s.1));
+            let weight = core::array::from_fn(|l| samples[l].2);
+            node.composite_lanes(Light::srgb(), &mut base, &top, &weight);
+            for (l, (b, t, w)) in samples.into_iter().enumerate() {
+                let one = node.composite(Transfer::srgb(), b, t, w);
+                for (plane, v) in one.into_iter().enumerate() {
+                    prop_assert_eq!(v.to_bits(), base[plane][l].to_bits(), "{:?} over {:?}", t, b);
+                }
+            }
         }
 
         #[test]

@@ -26,7 +26,7 @@ impl OverlayHeights {
         }
     }
 
-    fn mask_known(&self, inputs: &[Known]) -> Known {
+    fn mask_known(self, inputs: &[Known]) -> Known {
         if self.masked {
             inputs[2]
         } else {

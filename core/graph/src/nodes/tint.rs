@@ -4,7 +4,8 @@ use relievo_planet::Grid;
 use relievo_raster::colour::{linear_from_srgb, srgb_from_linear};
 use relievo_raster::{Bands, Block};
 
-use crate::{IdHasher, ImageNode, Job, Known, RenderError};
+use super::light::{LANES, Lanes, Light};
+use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 
 /// A colour at a height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,10 +47,47 @@ pub enum TintError {
 /// is its colour bit for bit. NaN gives transparency.
 #[derive(Clone, Debug)]
 pub struct Tint {
-    stops: Vec<Stop>,
-    /// Premultiplied linear light of each stop, and its alpha.
-    linear: Vec<[f32; 4]>,
-    smooth: bool,
+    /// Heights of the stops.
+    heights_m: Vec<f32>,
+    /// Below the first stop, between stops, from the last stop on: one more than there are stops.
+    intervals: Vec<Interval>,
+    /// Whether all stops are.
+    opaque: bool,
+    /// Of the stops and how they are joined.
+    name: ContentId,
+}
+
+/// Most stops that are compared with a height one by one; with more it is searched.
+const FEW: usize = 16;
+
+/// The colours from one stop to the next.
+#[derive(Clone, Copy, Debug)]
+struct Interval {
+    /// Height of the stop below.
+    start_m: f32,
+    /// 1 / the height of the interval; 0 where the colour does not change.
+    per_m: f32,
+    /// Premultiplied linear light and alpha at the stop below.
+    linear: [f32; 4],
+    /// What is added up to the stop above.
+    change: [f32; 4],
+    /// The colour of the stop below.
+    rgba: [f32; 4],
+}
+
+impl Interval {
+    /// How far a height is on the way to the stop above, 0 to 1; `None` where the colour is exactly
+    /// that of the stop below.
+    #[inline]
+    fn part(&self, height_m: f32) -> Option<f32> {
+        let part = ((height_m - self.start_m) * self.per_m).min(1.0);
+        (self.per_m != 0.0 && height_m != self.start_m).then_some(part)
+    }
+
+    #[inline]
+    fn mixed(&self, part: f32) -> [f32; 4] {
+        core::array::from_fn(|c| self.linear[c] + part * self.change[c])
+    }
 }
 
 impl Tint {
@@ -83,52 +121,119 @@ impl Tint {
                 stop.rgba = [0.0; 4];
             }
         }
-        let linear = stops
-            .iter()
-            .map(|stop| {
-                let [r, g, b, a] = stop.rgba;
-                let [r, g, b] = [r, g, b].map(|v| linear_from_srgb(v) * a);
-                [r, g, b, a]
-            })
-            .collect();
+        let light = |stop: &Stop| {
+            let [r, g, b, a] = stop.rgba;
+            let [r, g, b] = [r, g, b].map(|v| linear_from_srgb(v) * a);
+            [r, g, b, a]
+        };
+        let constant = |stop: &Stop| Interval {
+            start_m: stop.height_m,
+            per_m: 0.0,
+            linear: light(stop),
+            change: [0.0; 4],
+            rgba: stop.rgba,
+        };
+        let mut intervals = vec![constant(&stops[0])];
+        for pair in stops.windows(2) {
+            let mut interval = constant(&pair[0]);
+            if smooth && pair[0].rgba != pair[1].rgba {
+                interval.per_m = 1.0 / (pair[1].height_m - pair[0].height_m);
+                let above = light(&pair[1]);
+                interval.change = core::array::from_fn(|c| above[c] - interval.linear[c]);
+            }
+            intervals.push(interval);
+        }
+        intervals.push(constant(&stops[stops.len() - 1]));
+        let mut name = IdHasher::default();
+        name.int(i64::from(smooth)).int(stops.len() as i64);
+        for stop in &stops {
+            name.float(f64::from(stop.height_m));
+            for v in stop.rgba {
+                name.float(f64::from(v));
+            }
+        }
         Ok(Self {
-            stops,
-            linear,
-            smooth,
+            heights_m: stops.iter().map(|stop| stop.height_m).collect(),
+            intervals,
+            opaque: stops.iter().all(|stop| stop.rgba[3] == 1.0),
+            name: name.finish(),
         })
     }
 
-    #[inline]
+    /// One sample.
     fn colour(&self, height_m: f32) -> [f32; 4] {
         if height_m.is_nan() {
             return [0.0; 4];
         }
-        let above = self.stops.partition_point(|stop| stop.height_m <= height_m);
-        let Some(below) = above.checked_sub(1) else {
-            return self.stops[0].rgba;
+        let interval = &self.intervals[self.heights_m.partition_point(|stop| *stop <= height_m)];
+        let Some(part) = interval.part(height_m) else {
+            return interval.rgba;
         };
-        let stop = self.stops[below];
-        if !self.smooth || above == self.stops.len() || height_m == stop.height_m {
-            return stop.rgba;
-        }
-        let next = self.stops[above];
-        if stop.rgba == next.rgba {
-            return stop.rgba;
-        }
-        let t = (height_m - stop.height_m) / (next.height_m - stop.height_m);
-        let (low, high) = (self.linear[below], self.linear[above]);
-        let [r, g, b, a]: [f32; 4] = core::array::from_fn(|c| low[c] + t * (high[c] - low[c]));
+        let [r, g, b, a] = interval.mixed(part);
         if a <= 0.0 {
             return [0.0; 4];
         }
         let [r, g, b] = [r, g, b].map(|v| srgb_from_linear(v / a));
         [r, g, b, a]
     }
+
+    /// [`Self::colour`] of some samples, the same bits.
+    fn colours(&self, light: &Light, height_m: &Lanes) -> [Lanes; 4] {
+        let mut interval = [0_u32; LANES];
+        if self.heights_m.len() <= FEW {
+            for stop in &self.heights_m {
+                for (i, h) in interval.iter_mut().zip(height_m) {
+                    *i += u32::from(h >= stop);
+                }
+            }
+        } else {
+            for (i, h) in interval.iter_mut().zip(height_m) {
+                *i = self.heights_m.partition_point(|stop| stop <= h) as u32;
+            }
+        }
+        let mut out = [[0.0; LANES]; 4];
+        let mut exact = [false; LANES];
+        for l in 0..LANES {
+            let interval = &self.intervals[interval[l] as usize];
+            let part = interval.part(height_m[l]);
+            exact[l] = part.is_none();
+            let mixed = interval.mixed(part.unwrap_or(0.0));
+            for (plane, v) in out.iter_mut().zip(mixed) {
+                plane[l] = v;
+            }
+        }
+        let [r, g, b, a] = &mut out;
+        for plane in [r, g, b] {
+            if !self.opaque {
+                for (v, a) in plane.iter_mut().zip(a.iter()) {
+                    *v = if *a > 0.0 { *v / *a } else { 0.0 };
+                }
+            }
+            light.encode(plane);
+        }
+        for l in 0..LANES {
+            if exact[l] || height_m[l].is_nan() || out[3][l] <= 0.0 {
+                let rgba = if height_m[l].is_nan() || out[3][l] <= 0.0 {
+                    [0.0; 4]
+                } else {
+                    self.intervals[interval[l] as usize].rgba
+                };
+                for (plane, v) in out.iter_mut().zip(rgba) {
+                    plane[l] = v;
+                }
+            }
+        }
+        out
+    }
 }
 
 impl ImageNode for Tint {
     fn kind(&self) -> &'static str {
         "tint"
+    }
+
+    fn version(&self) -> u32 {
+        2
     }
 
     fn output(&self) -> Bands {
@@ -140,27 +245,29 @@ impl ImageNode for Tint {
     }
 
     fn identify(&self, _grid: &Grid, id: &mut IdHasher) {
-        id.int(i64::from(self.smooth)).int(self.stops.len() as i64);
-        for stop in &self.stops {
-            id.float(f64::from(stop.height_m));
-            for v in stop.rgba {
-                id.float(f64::from(v));
-            }
-        }
+        id.id(self.name);
     }
 
     fn known(&self, _grid: &Grid, inputs: &[Known]) -> Known {
         match inputs[0] {
             Known::Uniform(height) => Known::Uniform(self.colour(height[0])),
-            Known::Complete if self.stops.iter().all(|stop| stop.rgba[3] == 1.0) => Known::Complete,
+            Known::Complete if self.opaque => Known::Complete,
             Known::Complete | Known::Nothing => Known::Nothing,
         }
     }
 
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        let [r, g, b, a] = out.planes_mut();
-        for (i, height_m) in inputs[0].samples().iter().enumerate() {
-            [r[i], g[i], b[i], a[i]] = self.colour(*height_m);
+        let light = Light::srgb();
+        let heights = inputs[0].samples();
+        let mut out: [&mut [f32]; 4] = out.planes_mut();
+        let mut height_m = [0.0; LANES];
+        for (k, heights) in heights.chunks(LANES).enumerate() {
+            let (first, n) = (k * LANES, heights.len());
+            height_m[..n].copy_from_slice(heights);
+            let colours = self.colours(light, &height_m);
+            for (plane, lanes) in out.iter_mut().zip(&colours) {
+                plane[first..first + n].copy_from_slice(&lanes[..n]);
+            }
         }
         Ok(())
     }
@@ -231,6 +338,33 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn many_samples_agree_with_single_ones_to_the_bit(
+            steps in prop::collection::vec((0.001..200.0_f32, prop::array::uniform4(0.0..1.0_f32), 0..4_u8), 1..30), smooth: bool,
+            seed in prop::collection::vec((0.0..1.0_f32, 0..8_u8), LANES),
+        ) {
+            let mut height_m = -100.0;
+            let stops: Vec<Stop> = steps.iter().map(|(step, rgba, alpha)| {
+                height_m += step;
+                let a = match alpha { 0 => 0.0, 1 | 2 => 1.0, _ => rgba[3] };
+                Stop { height_m, rgba: [rgba[0], rgba[1], rgba[2], a] }
+            }).collect();
+            let tint = Tint::new(&stops, smooth).unwrap();
+            let heights: Lanes = core::array::from_fn(|l| match seed[l] {
+                (_, 0) => f32::NAN,
+                (v, 1) => stops[(v * stops.len() as f32) as usize % stops.len()].height_m,
+                (_, 2) => f32::INFINITY,
+                (_, 3) => f32::NEG_INFINITY,
+                (v, _) => -110.0 + v * (height_m + 130.0),
+            });
+            let many = tint.colours(Light::srgb(), &heights);
+            for (l, h) in heights.into_iter().enumerate() {
+                for (plane, v) in tint.colour(h).into_iter().enumerate() {
+                    prop_assert_eq!(v.to_bits(), many[plane][l].to_bits(), "at {}", h);
+                }
+            }
+        }
+
         #[test]
         fn a_smooth_tint_has_no_jumps(h in -50.0..350.0_f32) {
             let tint = Tint::new(&stops(), true).unwrap();
