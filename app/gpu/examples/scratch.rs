@@ -12,6 +12,7 @@ fn main() {
     let gpu = Gpu::headless().unwrap();
     let q = Quality::for_adapter(gpu.class);
     let mut r = Renderer::new(&gpu, wgpu::TextureFormat::Rgba8Unorm, q).unwrap();
+    r.set_look(Look { haze: args.get(4).map_or(1.0, |h| h.parse().unwrap()), ..r.look() });
     println!("gpu {:?}", t.elapsed());
     e.set_view(View { camera: cam, viewport_px: [1280, 960], colour_window: q.colour_window, colour_texel_px: 1.0, height_texel_px: 2.0 });
     let mut uploads = Vec::new();

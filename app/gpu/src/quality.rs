@@ -76,12 +76,13 @@ impl Quality {
 /// How the air and light look: not part of a project's data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// Density of the air at the datum relative to Earth's, 0 (none, black sky) to 8.
+    /// How much of the air's effect is shown, 0 (none, black sky) to 8; 1 is clear air as it is, less
+    /// lets the terrain speak.
     pub haze: f32,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { haze: 1.0 }
+        Self { haze: 0.5 }
     }
 }

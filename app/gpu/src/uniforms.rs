@@ -50,7 +50,7 @@ pub fn frame_uniform(frame: &Frame, size_px: [u32; 2], look: Look) -> FrameUnifo
         eye_up_in_focus: turned(eye.normalize_or(DVec3::Z)),
         ambient: frame.sun.ambient,
         sun_in_focus: turned(frame.sun.direction_in_world),
-        haze: look.haze.clamp(0.0, 8.0),
+        haze: (look.haze * frame.air).clamp(0.0, 8.0),
         sin_cos_colat: [sin_colat as f32, cos_colat as f32],
         scale_height_m: (planet.radius_m * SCALE_HEIGHT_PER_RADIUS) as f32,
         height_levels: count(&frame.heights),

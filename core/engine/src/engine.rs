@@ -11,7 +11,7 @@ use relievo_planet::clipmap::plan::{HeightRange, PlanInput, Quality};
 use relievo_planet::clipmap::{ClipKind as PlanKind, Plan, Planner};
 use relievo_planet::{Camera, MapPoint, TileKey};
 use relievo_project::{
-    Affects, Aspect, Edit, EditError, FileStamp, History, LayerId, OpenProjectError, Project, Replace,
+    Affects, Aspect, Body, Edit, EditError, FileStamp, History, LayerId, OpenProjectError, Project, Replace,
     SaveProjectError,
 };
 use relievo_tiles::{LogEntry, TileState, Tiles, TilesOptions, Want};
@@ -607,6 +607,7 @@ impl Engine {
             colours: self.stacks.colour.views(),
             normals: self.stacks.normal.views(),
             sun: sun(&self.project, &view.camera),
+            air: air(settings.body),
             uploads,
             pending: self.pending + usize::from(self.is_busy() || self.dirty),
             plan,
@@ -621,6 +622,16 @@ fn named(scene: &Scene, kind: PlanKind, key: TileKey) -> impl Iterator<Item = (C
         PlanKind::Colours => &[ClipKind::Colour, ClipKind::Normal],
     };
     kinds.iter().filter_map(move |k| Some((*k, key, scene.name(scene.root(*k)?, key))))
+}
+
+/// Density of a body's air at the datum relative to Earth's. Mars has 1.6 % of Earth's, but its dust
+/// makes the sky as bright as five times as much clear air would.
+fn air(body: Body) -> f32 {
+    match body {
+        Body::Earth | Body::Custom(_) => 1.0,
+        Body::Mars => 0.08,
+        Body::Moon => 0.0,
+    }
 }
 
 /// Direction and strength of the light: azimuth and elevation hold at the anchor.

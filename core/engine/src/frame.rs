@@ -87,6 +87,8 @@ pub struct Frame {
     pub normals: Vec<LevelView>,
     /// The sun.
     pub sun: Sun,
+    /// Density of the air at the datum relative to Earth's; 0 has a black sky.
+    pub air: f32,
     /// Samples to copy, in order.
     pub uploads: Vec<Upload>,
     /// Visible tiles that are still to come.

@@ -83,6 +83,7 @@ pub(crate) fn frame(world: &World, camera: Camera, viewport_px: [u32; 2], sun: S
         normals: Vec::new(),
         sun,
         uploads: Vec::new(),
+        air: 1.0,
         pending: 0,
         plan: Arc::new(plan),
     };
