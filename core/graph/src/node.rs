@@ -130,7 +130,8 @@ pub trait ImageNode: Send + Sync {
     }
 
     /// Adds every parameter that can touch the grid's samples; the grid itself too, as integers and
-    /// step bits, when the node depends on position (see [`IdHasher`]).
+    /// step bits, when the node depends on position ([`IdHasher::grid`]). Names are asked for much
+    /// more often than samples: hash long parameters once, when the node is made.
     fn identify(&self, grid: &Grid, id: &mut IdHasher);
 
     /// What is known of the output, given what is known of the inputs on their required samples.

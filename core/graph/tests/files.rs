@@ -37,7 +37,10 @@ impl Flat {
                 plane_from_pixel: [0.0, 0.125, 0.0, 8.0, 0.0, -0.125],
             }),
         };
-        Arc::new(Warp::new(Arc::new(Self(info)), Planet::EARTH, Kernel::Bilinear).unwrap())
+        Arc::new(
+            Warp::new(Arc::new(Self(info)), Planet::EARTH, Kernel::Bilinear)
+                .expect("a file with a place"),
+        )
     }
 }
 

@@ -46,7 +46,7 @@ fn tint(smooth: bool) -> Arc<Tint> {
         (900.0, [1.0, 1.0, 1.0, 1.0]),
     ]
     .map(|(height_m, rgba)| Stop { height_m, rgba });
-    Arc::new(Tint::new(&stops, smooth).unwrap())
+    Arc::new(Tint::new(&stops, smooth).expect("stops that rise"))
 }
 
 fn memory() -> Arc<Memory> {
@@ -158,10 +158,9 @@ fn sample(bands: Bands, hash: u64) -> [f32; 4] {
     match (bands, hash % 5) {
         (Bands::Height, 0) => [f32::NAN, 0.0, 0.0, 0.0],
         (Bands::Height, _) => [part(1) * 3000.0 - 800.0, 0.0, 0.0, 0.0],
-        (Bands::Colour, 0) => [0.0; 4],
+        (Bands::Colour | Bands::Mask, 0) => [0.0; 4],
         (Bands::Colour, 1 | 2) => [part(1), part(2), part(3), 1.0],
         (Bands::Colour, _) => [part(1), part(2), part(3), part(0).max(0.01)],
-        (Bands::Mask, 0) => [0.0; 4],
         (Bands::Mask, 1) => [1.0, 0.0, 0.0, 0.0],
         (Bands::Mask, _) => [part(1), 0.0, 0.0, 0.0],
         (Bands::Normal, _) => [part(1) * 0.5, part(2) * 0.5, 0.0, 0.0],
@@ -230,7 +229,7 @@ fn render(entry: &Entry, level: LevelKey, rect: SampleRect) -> Block {
             &inputs,
             &mut out,
         )
-        .unwrap();
+        .expect("no errors");
     out
 }
 
@@ -436,7 +435,11 @@ fn make(graph: &Graph, node: NodeIndex, key: TileKey, tiles: &mut Tiles) -> Arc<
         assert!(needs.contains(&(input, key)), "only what was named is read");
         Arc::clone(&tiles[&(input, key)])
     };
-    let tile = Arc::new(graph.make(node, key, &read, &Cancel::default()).unwrap());
+    let tile = Arc::new(
+        graph
+            .make(node, key, &read, &Cancel::default())
+            .expect("no errors"),
+    );
     tiles.insert((node, key), Arc::clone(&tile));
     tile
 }

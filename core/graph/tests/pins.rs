@@ -32,7 +32,7 @@ fn tint(high: f32) -> Arc<Tint> {
         (500.0, [1.0, high, 0.0, 1.0]),
     ]
     .map(|(height_m, rgba)| Stop { height_m, rgba });
-    Arc::new(Tint::new(&stops, true).unwrap())
+    Arc::new(Tint::new(&stops, true).expect("stops that rise"))
 }
 
 fn adjust(gamma: f64, gain: f64) -> Arc<Adjust> {
@@ -128,7 +128,9 @@ fn graph(below: Below, pinned: bool, gamma: f64) -> (Graph, NodeIndex, Vec<NodeI
 
 fn make(graph: &Graph, node: NodeIndex, key: TileKey) -> Tile {
     let read = |input, key| Arc::new(make(graph, input, key));
-    graph.make(node, key, &read, &Cancel::default()).unwrap()
+    graph
+        .make(node, key, &read, &Cancel::default())
+        .expect("no errors")
 }
 
 #[test]

@@ -374,10 +374,8 @@ mod tests {
                 (base, top, w)
             }).collect();
             let node = Overlay::new(MODES[mode], 1.0, true);
-            let lanes = |pick: fn(&([f32; 4], [f32; 4], f32)) -> [f32; 4]| -> Colours {
-                core::array::from_fn(|plane| core::array::from_fn(|l| pick(&samples[l])[plane]))
-            };
-            let (mut base, top) = (lanes(|s| s.0), lanes(|s| s.1));
+            let mut base: Colours = core::array::from_fn(|plane| core::array::from_fn(|l| samples[l].0[plane]));
+            let top: Colours = core::array::from_fn(|plane| core::array::from_fn(|l| samples[l].1[plane]));
             let weight = core::array::from_fn(|l| samples[l].2);
             node.composite_lanes(Light::srgb(), &mut base, &top, &weight);
             for (l, (b, t, w)) in samples.into_iter().enumerate() {

@@ -76,16 +76,17 @@ struct Interval {
 }
 
 impl Interval {
-    /// How far a height is on the way to the stop above, 0 to 1; `None` where the colour is exactly
-    /// that of the stop below.
+    /// Whether the colour at a height is exactly that of the stop below.
     #[inline]
-    fn part(&self, height_m: f32) -> Option<f32> {
-        let part = ((height_m - self.start_m) * self.per_m).min(1.0);
-        (self.per_m != 0.0 && height_m != self.start_m).then_some(part)
+    fn is_exact(&self, height_m: f32) -> bool {
+        self.per_m == 0.0 || height_m == self.start_m
     }
 
+    /// Premultiplied linear light and alpha at a height that is not NaN.
     #[inline]
-    fn mixed(&self, part: f32) -> [f32; 4] {
+    fn mixed(&self, height_m: f32) -> [f32; 4] {
+        let part = (height_m - self.start_m) * self.per_m;
+        let part = if part < 1.0 { part } else { 1.0 };
         core::array::from_fn(|c| self.linear[c] + part * self.change[c])
     }
 }
@@ -166,10 +167,10 @@ impl Tint {
             return [0.0; 4];
         }
         let interval = &self.intervals[self.heights_m.partition_point(|stop| *stop <= height_m)];
-        let Some(part) = interval.part(height_m) else {
+        if interval.is_exact(height_m) {
             return interval.rgba;
-        };
-        let [r, g, b, a] = interval.mixed(part);
+        }
+        let [r, g, b, a] = interval.mixed(height_m);
         if a <= 0.0 {
             return [0.0; 4];
         }
@@ -178,52 +179,80 @@ impl Tint {
     }
 
     /// [`Self::colour`] of some samples, the same bits.
-    fn colours(&self, light: &Light, height_m: &Lanes) -> [Lanes; 4] {
-        let mut interval = [0_u32; LANES];
-        if self.heights_m.len() <= FEW {
-            for stop in &self.heights_m {
-                for (i, h) in interval.iter_mut().zip(height_m) {
-                    *i += u32::from(h >= stop);
+    fn colours(&self, light: &Light, height_m: &Lanes, out: &mut [Lanes; 4]) {
+        let at = self.find(height_m);
+        let first = &self.intervals[at[0] as usize];
+        let mut exact = [false; LANES];
+        if at.iter().all(|i| *i == at[0]) {
+            // As nearly everywhere: terrain does not jump.
+            for (l, h) in height_m.iter().enumerate() {
+                exact[l] = first.is_exact(*h) || h.is_nan();
+                let mixed = first.mixed(*h);
+                for (plane, v) in out.iter_mut().zip(mixed) {
+                    plane[l] = v;
                 }
             }
         } else {
-            for (i, h) in interval.iter_mut().zip(height_m) {
-                *i = self.heights_m.partition_point(|stop| stop <= h) as u32;
-            }
-        }
-        let mut out = [[0.0; LANES]; 4];
-        let mut exact = [false; LANES];
-        for l in 0..LANES {
-            let interval = &self.intervals[interval[l] as usize];
-            let part = interval.part(height_m[l]);
-            exact[l] = part.is_none();
-            let mixed = interval.mixed(part.unwrap_or(0.0));
-            for (plane, v) in out.iter_mut().zip(mixed) {
-                plane[l] = v;
-            }
-        }
-        let [r, g, b, a] = &mut out;
-        for plane in [r, g, b] {
-            if !self.opaque {
-                for (v, a) in plane.iter_mut().zip(a.iter()) {
-                    *v = if *a > 0.0 { *v / *a } else { 0.0 };
-                }
-            }
-            light.encode(plane);
-        }
-        for l in 0..LANES {
-            if exact[l] || height_m[l].is_nan() || out[3][l] <= 0.0 {
-                let rgba = if height_m[l].is_nan() || out[3][l] <= 0.0 {
-                    [0.0; 4]
-                } else {
-                    self.intervals[interval[l] as usize].rgba
-                };
-                for (plane, v) in out.iter_mut().zip(rgba) {
+            for (l, h) in height_m.iter().enumerate() {
+                let interval = &self.intervals[at[l] as usize];
+                exact[l] = interval.is_exact(*h) || h.is_nan();
+                let mixed = interval.mixed(*h);
+                for (plane, v) in out.iter_mut().zip(mixed) {
                     plane[l] = v;
                 }
             }
         }
-        out
+        if !exact.iter().all(|exact| *exact) {
+            let [r, g, b, a] = out;
+            for plane in [r, g, b] {
+                if !self.opaque {
+                    for (v, a) in plane.iter_mut().zip(a.iter()) {
+                        *v = if *a > 0.0 { *v / *a } else { 0.0 };
+                    }
+                }
+                light.encode(plane);
+            }
+            if !self.opaque {
+                for l in 0..LANES {
+                    if out[3][l] <= 0.0 {
+                        for plane in out.iter_mut() {
+                            plane[l] = 0.0;
+                        }
+                    }
+                }
+            }
+        }
+        if exact.contains(&true) {
+            for l in 0..LANES {
+                if exact[l] {
+                    let rgba = if height_m[l].is_nan() {
+                        [0.0; 4]
+                    } else {
+                        self.intervals[at[l] as usize].rgba
+                    };
+                    for (plane, v) in out.iter_mut().zip(rgba) {
+                        plane[l] = v;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Intervals in which heights lie.
+    fn find(&self, height_m: &Lanes) -> [u32; LANES] {
+        let mut at = [0_u32; LANES];
+        if self.heights_m.len() <= FEW {
+            for stop in &self.heights_m {
+                for (i, h) in at.iter_mut().zip(height_m) {
+                    *i += u32::from(h >= stop);
+                }
+            }
+        } else {
+            for (i, h) in at.iter_mut().zip(height_m) {
+                *i = self.heights_m.partition_point(|stop| stop <= h) as u32;
+            }
+        }
+        at
     }
 }
 
@@ -261,10 +290,11 @@ impl ImageNode for Tint {
         let heights = inputs[0].samples();
         let mut out: [&mut [f32]; 4] = out.planes_mut();
         let mut height_m = [0.0; LANES];
+        let mut colours = [[0.0; LANES]; 4];
         for (k, heights) in heights.chunks(LANES).enumerate() {
             let (first, n) = (k * LANES, heights.len());
             height_m[..n].copy_from_slice(heights);
-            let colours = self.colours(light, &height_m);
+            self.colours(light, &height_m, &mut colours);
             for (plane, lanes) in out.iter_mut().zip(&colours) {
                 plane[first..first + n].copy_from_slice(&lanes[..n]);
             }
@@ -357,7 +387,8 @@ mod tests {
                 (_, 3) => f32::NEG_INFINITY,
                 (v, _) => -110.0 + v * (height_m + 130.0),
             });
-            let many = tint.colours(Light::srgb(), &heights);
+            let mut many = [[f32::NAN; LANES]; 4];
+            tint.colours(Light::srgb(), &heights, &mut many);
             for (l, h) in heights.into_iter().enumerate() {
                 for (plane, v) in tint.colour(h).into_iter().enumerate() {
                     prop_assert_eq!(v.to_bits(), many[plane][l].to_bits(), "at {}", h);
