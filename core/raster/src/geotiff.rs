@@ -313,14 +313,15 @@ impl GeoTiff {
         let alpha = alpha
             .as_ref()
             .map(|chunk| view(place.layout, chunk.as_deref(), how.alpha.unwrap_or(0)));
-        let mut heights = Vec::new();
-        how.read(&band, alpha.as_ref(), place.window, &mut heights);
         let width = out.width();
-        let plane = out.plane_mut(0);
-        for (y, row) in heights.chunks_exact(place.window.width).enumerate() {
-            let start = (place.y + y) * width + place.x;
-            plane[start..start + row.len()].copy_from_slice(row);
-        }
+        let start = place.y * width + place.x;
+        how.read(
+            &band,
+            alpha.as_ref(),
+            place.window,
+            &mut out.plane_mut(0)[start..],
+            width,
+        );
         Ok(())
     }
 
@@ -345,6 +346,10 @@ impl GeoTiff {
                 how.alpha.map_or(0, |a| a.band),
             )
         });
+        let start = place.y * out.width() + place.x;
+        if how.read_bytes([&r, &g, &b], alpha.as_ref(), place.window, start, out) {
+            return Ok(());
+        }
         let mut colours = Vec::new();
         how.read([&r, &g, &b], alpha.as_ref(), place.window, &mut colours);
         let width = out.width();

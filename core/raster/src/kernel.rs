@@ -8,6 +8,8 @@
 //! Every value is `v₀ + Σ w (v − v₀) / Σ w` about one of the samples, so a constant window gives
 //! that constant to the bit and large heights lose nothing.
 
+use core::ops::Range;
+
 /// How samples are interpolated where the result is at least as fine as the source. Where it is
 /// coarser, all but [`Kernel::Nearest`] average with a tent as wide as the footprint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -32,8 +34,6 @@ pub(crate) struct Window<'a> {
     pub(crate) stride: usize,
     pub(crate) width: usize,
     pub(crate) height: usize,
-    /// Whether some height in the window is NaN.
-    pub(crate) has_holes: bool,
 }
 
 /// Footprint of a kernel: radius of its tent along columns and rows in samples, 1 ≤ r < 2.
@@ -44,18 +44,17 @@ pub(crate) struct Footprint {
     pub(crate) radius_y: f32,
 }
 
-impl Window<'_> {
-    /// Whether some sample of the first plane is NaN.
-    pub(crate) fn find_hole(&self) -> bool {
-        (0..self.height).any(|line| {
-            let row = &self.planes[0][self.offset + line * self.stride..][..self.width];
-            // No early end: counts vectorise.
-            row.iter()
-                .fold(0_u32, |holes, v| holes + u32::from(v.is_nan()))
-                > 0
-        })
-    }
+/// Places that are worked on together.
+const LANES: usize = 16;
 
+/// Of each place: index of the first sample about it, and where between two samples it is.
+struct Lanes {
+    first: [u32; LANES],
+    fx: [f32; LANES],
+    fy: [f32; LANES],
+}
+
+impl Window<'_> {
     /// Evaluates a row of places (`x`, `y`: continuous, centres at +½, two samples inside the window;
     /// places outside clamp) into one row per plane.
     pub(crate) fn sample_row(
@@ -72,15 +71,22 @@ impl Window<'_> {
             return;
         }
         let magnifies = footprint.radius_x <= 1.0 && footprint.radius_y <= 1.0;
-        for (plane, row) in self.planes.iter().zip(out.iter_mut()) {
+        let (rx, ry) = (1.0 / footprint.radius_x, 1.0 / footprint.radius_y);
+        for (n, (x, y)) in x.chunks(LANES).zip(y.chunks(LANES)).enumerate() {
+            let part = n * LANES..n * LANES + x.len();
             match footprint.kernel {
-                Kernel::Nearest => self.nearest(plane, x, y, row),
-                _ if self.has_holes => self.with_holes(plane, footprint, x, y, row),
-                Kernel::Bicubic if magnifies => self.taps(plane, x, y, row, keys, keys),
-                _ if magnifies => self.bilinear(plane, x, y, row),
+                Kernel::Nearest => {
+                    for (plane, row) in self.planes.iter().zip(out.iter_mut()) {
+                        self.nearest(plane, x, y, &mut row[part.clone()]);
+                    }
+                }
+                Kernel::Bilinear if magnifies => self.bilinear(x, y, part, out),
+                Kernel::Bicubic if magnifies => {
+                    self.taps(x, y, part, out, [keys, keys], (1.0, 1.0));
+                }
                 Kernel::Bilinear | Kernel::Bicubic => {
-                    let (rx, ry) = (1.0 / footprint.radius_x, 1.0 / footprint.radius_y);
-                    self.taps(plane, x, y, row, |f| tent(f, rx), |f| tent(f, ry));
+                    let tents = [rx, ry].map(|r| move |f| tent(f, r));
+                    self.taps(x, y, part, out, tents, (rx, ry));
                 }
             }
         }
@@ -94,106 +100,139 @@ impl Window<'_> {
         }
     }
 
-    fn bilinear(&self, plane: &[f32], x: &[f32], y: &[f32], row: &mut [f32]) {
-        let (last_column, last_row) = (self.width as i32 - 2, self.height as i32 - 2);
-        for ((x, y), v) in x.iter().zip(y).zip(row) {
-            let (x, y) = (x - 0.5, y - 0.5);
-            let (column, line) = (
-                (x as i32).clamp(0, last_column),
-                (y as i32).clamp(0, last_row),
-            );
-            let (fx, fy) = (x - column as f32, y - line as f32);
-            let at = self.offset + line as usize * self.stride + column as usize;
-            let (north, south) = (
-                &plane[at..at + 2],
-                &plane[at + self.stride..at + self.stride + 2],
-            );
-            let n = north[0] + (north[1] - north[0]) * fx;
-            let s = south[0] + (south[1] - south[0]) * fx;
-            *v = n + (s - n) * fy;
+    /// Bilinear values of at most [`LANES`] places into the part `part` of each row.
+    fn bilinear(&self, x: &[f32], y: &[f32], part: Range<usize>, out: &mut [&mut [f32]]) {
+        let at = self.lanes(x, y, 0, 2);
+        for (plane, row) in self.planes.iter().zip(out) {
+            let mut corners = [[0.0_f32; LANES]; 4];
+            for (i, first) in at.first.iter().enumerate().take(x.len()) {
+                let (north, south) = (*first as usize, *first as usize + self.stride);
+                let (north, south) = (&plane[north..north + 2], &plane[south..south + 2]);
+                corners[0][i] = north[0];
+                corners[1][i] = north[1];
+                corners[2][i] = south[0];
+                corners[3][i] = south[1];
+            }
+            let mut values = [0.0_f32; LANES];
+            for i in 0..LANES {
+                let n = corners[0][i] + (corners[1][i] - corners[0][i]) * at.fx[i];
+                let s = corners[2][i] + (corners[3][i] - corners[2][i]) * at.fx[i];
+                values[i] = n + (s - n) * at.fy[i];
+            }
+            let row = &mut row[part.clone()];
+            row.copy_from_slice(&values[..x.len()]);
+            self.mend(plane, x, y, (1.0, 1.0), row);
         }
     }
 
-    /// The first of the four columns and rows about a place, and where between the inner two it is.
+    /// The first of the columns and rows about each place, of which `before` lie west and north of
+    /// the one at or before it, and where between that and the next one the place is; `after` is how
+    /// far from the window's end that one stays.
     #[inline]
-    fn four_taps(&self, x: f32, y: f32) -> (usize, f32, f32) {
-        let (x, y) = (x - 0.5, y - 0.5);
-        let column = (x as i32).clamp(1, self.width as i32 - 3);
-        let line = (y as i32).clamp(1, self.height as i32 - 3);
-        (
-            self.offset + (line as usize - 1) * self.stride + column as usize - 1,
-            x - column as f32,
-            y - line as f32,
-        )
+    fn lanes(&self, x: &[f32], y: &[f32], before: i32, after: i32) -> Lanes {
+        let (mut xs, mut ys) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+        xs[..x.len()].copy_from_slice(x);
+        ys[..y.len()].copy_from_slice(y);
+        let (last_column, last_row) = (self.width as i32 - after, self.height as i32 - after);
+        let (offset, stride) = (self.offset as u32, self.stride as u32);
+        let mut at = Lanes {
+            first: [0; LANES],
+            fx: xs,
+            fy: ys,
+        };
+        for i in 0..LANES {
+            let (x, y) = (xs[i] - 0.5, ys[i] - 0.5);
+            let (column, line) = (
+                (x as i32).max(before).min(last_column),
+                (y as i32).max(before).min(last_row),
+            );
+            at.first[i] = offset + (line - before) as u32 * stride + (column - before) as u32;
+            at.fx[i] = x - column as f32;
+            at.fy[i] = y - line as f32;
+        }
+        at
     }
 
+    /// Sums over 4 × 4 samples about at most [`LANES`] places into the part `part` of each row.
+    /// Beside holes: with tents of the inverse radii `tents`.
     #[inline]
     fn taps(
         &self,
-        plane: &[f32],
         x: &[f32],
         y: &[f32],
-        row: &mut [f32],
-        weights_x: impl Fn(f32) -> [f32; 4],
-        weights_y: impl Fn(f32) -> [f32; 4],
+        part: Range<usize>,
+        out: &mut [&mut [f32]],
+        weights: [impl Fn(f32) -> [f32; 4]; 2],
+        tents: (f32, f32),
     ) {
-        for ((x, y), v) in x.iter().zip(y).zip(row) {
-            let (first, fx, fy) = self.four_taps(*x, *y);
-            let (wx, wy) = (weights_x(fx), weights_y(fy));
-            let centre = plane[first + self.stride + 1];
-            let mut sums = [0.0_f32; 4];
-            for (line, wy) in wy.iter().enumerate() {
-                let at = first + line * self.stride;
-                let values = &plane[at..at + 4];
-                for i in 0..4 {
-                    sums[i] += (values[i] - centre) * (wx[i] * wy);
+        let at = self.lanes(x, y, 1, 3);
+        let [weights_x, weights_y] = weights;
+        let wx = at.fx.map(weights_x);
+        let wy = at.fy.map(weights_y);
+        let share: [f32; LANES] = core::array::from_fn(|i| 1.0 / (total(wx[i]) * total(wy[i])));
+        for (plane, row) in self.planes.iter().zip(out) {
+            let row = &mut row[part.clone()];
+            for (i, v) in row.iter_mut().enumerate() {
+                let first = at.first[i] as usize;
+                let centre = plane[first + self.stride + 1];
+                let mut columns = [0.0_f32; 4];
+                for (line, w) in wy[i].iter().enumerate() {
+                    let start = first + line * self.stride;
+                    let values = &plane[start..start + 4];
+                    for (sum, value) in columns.iter_mut().zip(values) {
+                        *sum += (value - centre) * w;
+                    }
                 }
+                let [a, b, c, d] = core::array::from_fn(|k| columns[k] * wx[i][k]);
+                *v = centre + ((a + b) + (c + d)) * share[i];
             }
-            let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-            let weight = total(wx) * total(wy);
-            *v = centre + sum / weight;
+            self.mend(plane, x, y, tents, row);
         }
     }
 
-    fn with_holes(
-        &self,
-        plane: &[f32],
-        footprint: Footprint,
-        x: &[f32],
-        y: &[f32],
-        row: &mut [f32],
-    ) {
-        let (rx, ry) = (1.0 / footprint.radius_x, 1.0 / footprint.radius_y);
-        let cubic = footprint.kernel == Kernel::Bicubic && rx >= 1.0 && ry >= 1.0;
-        for ((x, y), v) in x.iter().zip(y).zip(row) {
-            let (first, fx, fy) = self.four_taps(*x, *y);
-            let whole = (0..4).all(|l| {
-                let at = first + l * self.stride;
-                plane[at..at + 4].iter().all(|v| !v.is_nan())
-            });
-            let (wx, wy) = if cubic && whole {
-                (keys(fx), keys(fy))
-            } else {
-                (tent(fx, rx), tent(fy, ry))
-            };
-            let mut base = None;
-            let (mut sum, mut valid) = (0.0_f32, 0.0_f32);
-            for (line, wy) in wy.iter().enumerate() {
-                let at = first + line * self.stride;
-                for (value, wx) in plane[at..at + 4].iter().zip(&wx) {
-                    let w = wx * wy;
-                    if w != 0.0 && !value.is_nan() {
-                        let base = *base.get_or_insert(*value);
-                        sum += (value - base) * w;
-                        valid += w;
-                    }
+    /// Replaces values that are NaN because a sample is.
+    #[inline]
+    fn mend(&self, plane: &[f32], x: &[f32], y: &[f32], tents: (f32, f32), row: &mut [f32]) {
+        if row
+            .iter()
+            .fold(0_u32, |holes, v| holes + u32::from(v.is_nan()))
+            == 0
+        {
+            return;
+        }
+        let at = self.lanes(x, y, 1, 3);
+        for (i, v) in row.iter_mut().enumerate().filter(|(_, v)| v.is_nan()) {
+            let (wx, wy) = (tent(at.fx[i], tents.0), tent(at.fy[i], tents.1));
+            *v = self.beside_holes(plane, at.first[i] as usize, wx, wy);
+        }
+    }
+
+    /// The value of a place some of whose 4 × 4 samples are NaN.
+    #[inline(never)]
+    fn beside_holes(&self, plane: &[f32], first: usize, wx: [f32; 4], wy: [f32; 4]) -> f32 {
+        let lines: [&[f32]; 4] = core::array::from_fn(|line| {
+            let at = first + line * self.stride;
+            &plane[at..at + 4]
+        });
+        // The inner four have more than half of any kernel's weight.
+        if lines[1..3].iter().all(|l| l[1].is_nan() && l[2].is_nan()) {
+            return f32::NAN;
+        }
+        let (mut base, mut sum, mut valid) = (None, 0.0_f32, 0.0_f32);
+        for (values, wy) in lines.iter().zip(&wy) {
+            for (value, wx) in values.iter().zip(&wx) {
+                let w = wx * wy;
+                if w != 0.0 && !value.is_nan() {
+                    let base = *base.get_or_insert(*value);
+                    sum += (value - base) * w;
+                    valid += w;
                 }
             }
-            *v = match base {
-                // A trace of slack: half a kernel's weight is valid along a straight edge.
-                Some(base) if valid >= 0.499_999 * (total(wx) * total(wy)) => base + sum / valid,
-                _ => f32::NAN,
-            };
+        }
+        match base {
+            // A trace of slack: half a kernel's weight is valid along a straight edge.
+            Some(base) if valid >= 0.499_999 * (total(wx) * total(wy)) => base + sum / valid,
+            _ => f32::NAN,
         }
     }
 }
@@ -237,7 +276,6 @@ mod tests {
             stride: SIZE,
             width: SIZE,
             height: SIZE,
-            has_holes: plane.iter().any(|v| v.is_nan()),
         };
         let mut out = [0.0];
         let footprint = Footprint {

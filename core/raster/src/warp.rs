@@ -305,15 +305,13 @@ fn sample_patch(
     let corner = patch.window.min - read.min;
     let planes: [&[f32]; 4] =
         core::array::from_fn(|i| window.plane(i.min(window.bands().planes() - 1)));
-    let mut view = Window {
+    let view = Window {
         planes: &planes[..window.bands().planes()],
         offset: corner.y as usize * window.width() + corner.x as usize,
         stride: window.width(),
         width: patch.window.width() as usize,
         height: patch.window.height() as usize,
-        has_holes: false,
     };
-    view.has_holes = window.bands() == Bands::Height && view.find_hole();
     let width = part.width() as usize;
     let mut x = [0.0_f32; cells::NODE as usize];
     let mut y = x;

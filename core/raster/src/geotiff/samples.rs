@@ -3,6 +3,8 @@
 use half::f16;
 use tiff::decoder::DecodingResult;
 
+use crate::Block;
+
 /// What the stored samples of a file mean.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {
@@ -77,9 +79,10 @@ pub(crate) struct Window {
 }
 
 /// A sample type that a file may hold.
-trait Stored: Copy {
+trait Stored: Copy + PartialOrd {
     fn value(self) -> f64;
-    fn is(self, nodata: f64) -> bool;
+    /// The stored values, from the first to the second, that mean nodata.
+    fn nodata(nodata: f64) -> Option<(Self, Self)>;
 }
 
 macro_rules! stored_integers {
@@ -90,8 +93,9 @@ macro_rules! stored_integers {
                 $value(self)
             }
             #[inline]
-            fn is(self, nodata: f64) -> bool {
-                self.value() == nodata
+            fn nodata(nodata: f64) -> Option<(Self, Self)> {
+                let stored = nodata as $t;
+                (stored.value() == nodata).then_some((stored, stored))
             }
         }
     )*};
@@ -111,8 +115,9 @@ impl Stored for f32 {
     fn value(self) -> f64 {
         self.into()
     }
-    fn is(self, nodata: f64) -> bool {
-        self == nodata as f32 || is_about(self.into(), nodata)
+    fn nodata(nodata: f64) -> Option<(Self, Self)> {
+        let (low, high) = about(nodata);
+        Some((low as f32, high as f32))
     }
 }
 
@@ -120,8 +125,8 @@ impl Stored for f64 {
     fn value(self) -> f64 {
         self
     }
-    fn is(self, nodata: f64) -> bool {
-        self == nodata || is_about(self, nodata)
+    fn nodata(nodata: f64) -> Option<(Self, Self)> {
+        Some(about(nodata))
     }
 }
 
@@ -129,14 +134,20 @@ impl Stored for f16 {
     fn value(self) -> f64 {
         self.to_f64()
     }
-    fn is(self, nodata: f64) -> bool {
-        self == Self::from_f64(nodata)
+    fn nodata(nodata: f64) -> Option<(Self, Self)> {
+        let stored = Self::from_f64(nodata);
+        Some((stored, stored))
     }
 }
 
 /// Programs write the lowest float with few digits: huge nodata values match by their first five.
-fn is_about(value: f64, nodata: f64) -> bool {
-    nodata.abs() > 1e30 && (value - nodata).abs() <= 1e-5 * nodata.abs()
+fn about(nodata: f64) -> (f64, f64) {
+    let slack = if nodata.abs() > 1e30 {
+        1e-5 * nodata.abs()
+    } else {
+        0.0
+    };
+    (nodata - slack, nodata + slack)
 }
 
 /// Calls `$call` with the typed slice of a decoding result.
@@ -175,6 +186,50 @@ impl BandView<'_> {
         with_slice!(samples, slice => self.walk(slice, window, nodata, put));
     }
 
+    /// Writes `convert` of every sample of a window into rows that start `stride` samples apart;
+    /// NaN for nodata, what is missing, and what is not finite.
+    fn fill(
+        &self,
+        window: Window,
+        nodata: Option<f64>,
+        out: &mut [f32],
+        stride: usize,
+        convert: impl Fn(f64) -> f32,
+    ) {
+        for (y, row) in out.chunks_mut(stride).take(window.height).enumerate() {
+            let row = &mut row[..window.width];
+            let start = (window.y + y) * window.chunk_width + window.x;
+            let filled = self.samples.map_or(0, |samples| {
+                with_slice!(samples, slice => {
+                    let line = slice.get(start * self.step + self.first..).unwrap_or_default();
+                    if self.step == 1 {
+                        fill_row(line.iter(), nodata, row, &convert)
+                    } else {
+                        fill_row(line.iter().step_by(self.step), nodata, row, &convert)
+                    }
+                })
+            });
+            row[filled..].fill(f32::NAN);
+        }
+    }
+
+    /// The stored bytes of a window's rows, each with those of all bands; `None` where they are no
+    /// bytes or some are missing.
+    fn bytes(&self, window: Window) -> Option<impl Iterator<Item = &[u8]>> {
+        let Some(DecodingResult::U8(bytes)) = self.samples else {
+            return None;
+        };
+        let pitch = window.chunk_width * self.step;
+        let end = (window.y + window.height).checked_sub(1)? * pitch
+            + (window.x + window.width) * self.step;
+        (end <= bytes.len()).then(|| {
+            (0..window.height).map(move |y| {
+                let start = (window.y + y) * pitch + window.x * self.step;
+                &bytes[start..start + window.width * self.step]
+            })
+        })
+    }
+
     #[inline]
     fn walk<T: Stored>(
         &self,
@@ -193,9 +248,10 @@ impl BandView<'_> {
                 .step_by(self.step)
                 .take(window.width);
             let mut found = 0;
-            if let Some(nodata) = nodata {
+            if let Some((low, high)) = nodata.and_then(T::nodata) {
                 for sample in samples {
-                    put(target + found, sample.value(), sample.is(nodata));
+                    let is_nodata = (low..=high).contains(sample);
+                    put(target + found, sample.value(), is_nodata);
                     found += 1;
                 }
             } else {
@@ -207,6 +263,35 @@ impl BandView<'_> {
             (found..window.width).for_each(|i| put(target + i, f64::NAN, true));
         }
     }
+}
+
+/// Converts as many samples as there are, up to a row; returns how many.
+#[inline]
+fn fill_row<'a, T: Stored + 'a>(
+    samples: impl ExactSizeIterator<Item = &'a T>,
+    nodata: Option<f64>,
+    row: &mut [f32],
+    convert: impl Fn(f64) -> f32,
+) -> usize {
+    let count = samples.len().min(row.len());
+    let shown = |sample: T| {
+        let v = convert(sample.value());
+        if v.is_finite() { v } else { f32::NAN }
+    };
+    if let Some((low, high)) = nodata.and_then(T::nodata) {
+        for (v, sample) in row.iter_mut().zip(samples) {
+            *v = if *sample >= low && *sample <= high {
+                f32::NAN
+            } else {
+                shown(*sample)
+            };
+        }
+    } else {
+        for (v, sample) in row.iter_mut().zip(samples) {
+            *v = shown(*sample);
+        }
+    }
+    count
 }
 
 impl Meaning {
@@ -223,33 +308,26 @@ impl Meaning {
 }
 
 impl Heights {
-    /// Heights of a window; NaN for nodata.
+    /// Heights of a window into rows that start `stride` samples apart; NaN for nodata.
     pub(crate) fn read(
         &self,
         band: &BandView<'_>,
         alpha: Option<&BandView<'_>>,
         window: Window,
-        out: &mut Vec<f32>,
+        out: &mut [f32],
+        stride: usize,
     ) {
-        out.clear();
-        out.resize(window.width * window.height, f32::NAN);
-        let plain = self.scale == 1.0 && self.offset == 0.0;
-        band.for_each(window, self.nodata, |i, value, nodata| {
-            let metres = if plain {
-                value as f32
-            } else {
-                (value * self.scale + self.offset) as f32
-            };
-            out[i] = if nodata || !metres.is_finite() {
-                f32::NAN
-            } else {
-                metres
-            };
-        });
+        if self.scale == 1.0 && self.offset == 0.0 {
+            band.fill(window, self.nodata, out, stride, |v| v as f32);
+        } else {
+            band.fill(window, self.nodata, out, stride, |v| {
+                (v * self.scale + self.offset) as f32
+            });
+        }
         if let Some(alpha) = alpha {
             alpha.for_each(window, None, |i, value, _| {
                 if value <= 0.0 || value.is_nan() {
-                    out[i] = f32::NAN;
+                    out[i / window.width * stride + i % window.width] = f32::NAN;
                 }
             });
         }
@@ -257,6 +335,80 @@ impl Heights {
 }
 
 impl Colours {
+    /// What [`Colours::read`] gives, written into a block from sample `start` of its planes on, where
+    /// that is simple: bytes without nodata, palette or multiplied alpha. Whether it was.
+    pub(crate) fn read_bytes(
+        &self,
+        bands: [&BandView<'_>; 3],
+        alpha: Option<&BandView<'_>>,
+        window: Window,
+        start: usize,
+        out: &mut Block,
+    ) -> bool {
+        let multiplied = self.alpha.is_some_and(|a| a.associated);
+        if self.palette.is_some() || self.nodata.is_some() || multiplied {
+            return false;
+        }
+        let (low, gain) = (self.range.0, 1.0 / (self.range.1 - self.range.0));
+        let shown: [f32; 256] = core::array::from_fn(|v| {
+            let shown = ((v as f64 - low) * gain) as f32;
+            if self.clamp {
+                shown.clamp(0.0, 1.0)
+            } else {
+                shown
+            }
+        });
+        if !shown.iter().all(|v| v.is_finite()) {
+            return false;
+        }
+        let stride = out.width();
+        let planes: [&mut [f32]; 4] = out.planes_mut();
+        let [r, g, b, a] = planes.map(|plane| plane[start..].chunks_mut(stride));
+        let [Some(red), Some(green), Some(blue)] = bands.map(|band| band.bytes(window)) else {
+            return false;
+        };
+        let opacity = match (alpha, self.alpha) {
+            (Some(view), Some(how)) => match view.bytes(window) {
+                Some(lines) => Some((view, how, lines)),
+                None => return false,
+            },
+            _ => None,
+        };
+        let width = window.width;
+        for ((plane, lines), band) in [(r, red), (g, green)]
+            .into_iter()
+            .chain([(b, blue)])
+            .zip(bands)
+        {
+            for (row, line) in plane.zip(lines) {
+                for (v, pixel) in row[..width].iter_mut().zip(line.chunks_exact(band.step)) {
+                    *v = shown[usize::from(pixel[band.first])];
+                }
+            }
+        }
+        let Some((view, how, lines)) = opacity else {
+            for row in a.take(window.height) {
+                row[..width].fill(1.0);
+            }
+            return true;
+        };
+        for (row, line) in a.zip(lines) {
+            for (v, pixel) in row[..width].iter_mut().zip(line.chunks_exact(view.step)) {
+                *v = ((f64::from(pixel[view.first]) / how.full) as f32).clamp(0.0, 1.0);
+            }
+        }
+        let [r, g, b, a] = out.planes_mut();
+        for y in 0..window.height {
+            let row = start + y * stride..start + y * stride + width;
+            for i in row {
+                if a[i] <= 0.0 {
+                    (r[i], g[i], b[i], a[i]) = (0.0, 0.0, 0.0, 0.0);
+                }
+            }
+        }
+        true
+    }
+
     /// Colours of a window, pixel by pixel.
     pub(crate) fn read(
         &self,

@@ -63,6 +63,15 @@ impl Places {
         y: &mut [f32],
     ) {
         const PITCH: f32 = 1.0 / NODE as f32;
+        const STEPS: [f32; NODE as usize] = {
+            let mut steps = [0.0; NODE as usize];
+            let mut i = 1;
+            while i < steps.len() {
+                steps[i] = i as f32;
+                i += 1;
+            }
+            steps
+        };
         match self {
             Self::Corners([nw, ne, sw, se]) => {
                 let v = row as f32 * PITCH;
@@ -70,8 +79,8 @@ impl Places {
                     let west = nw[axis] + (sw[axis] - nw[axis]) * v;
                     let east = ne[axis] + (se[axis] - ne[axis]) * v;
                     let slope = (east - west) * PITCH;
-                    for (i, place) in out.iter_mut().enumerate() {
-                        *place = west + slope * (column + i) as f32;
+                    for (place, at) in out.iter_mut().zip(&STEPS[column..]) {
+                        *place = west + slope * at;
                     }
                 }
             }
