@@ -1,0 +1,75 @@
+//! `relievo bake`: a region of a project as a raster file.
+
+use std::path::PathBuf;
+
+use relievo_engine::graph::RenderError;
+use relievo_engine::raster::write::WriteError;
+use relievo_engine::{Bake, BakeError, Output};
+
+use super::progress::Progress;
+use super::{Context, Failure, project, units};
+
+/// Write a region of a project to a raster file.
+///
+/// GeoTIFFs (.tif) are Cloud Optimised and of any size; PNGs hold up to 268 million samples, heights
+/// in them are 16-bit grey.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The project.
+    #[arg(value_name = "PROJECT")]
+    project: PathBuf,
+    /// The file to write: .tif or .png.
+    #[arg(short = 'o', value_name = "OUT.tif|OUT.png")]
+    file: PathBuf,
+    /// What to write: heights in metres, colours as RGBA, or normals as east, north and up.
+    #[arg(long, value_enum, value_name = "KIND")]
+    output: Kind,
+    /// Outer edges west, south, east, north in units of --crs; in degrees W > E crosses the
+    /// antimeridian.
+    #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true, value_parser = units::bounds)]
+    bounds: [f64; 4],
+    /// Size of a sample in units of --crs.
+    #[arg(long, value_name = "R", allow_hyphen_values = true, value_parser = units::positive)]
+    resolution: f64,
+    /// The coordinate system of bounds, resolution and file: EPSG:n, ESRI:n or a proj string.
+    #[arg(long, value_name = "EPSG:N", default_value = "EPSG:4326")]
+    crs: String,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Kind {
+    Height,
+    Colour,
+    Normal,
+}
+
+pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
+    let engine = project::open_complete(&arguments.project, context)?;
+    let bake = Bake {
+        output: match arguments.output {
+            Kind::Height => Output::Height,
+            Kind::Colour => Output::Colour,
+            Kind::Normal => Output::Normal,
+        },
+        bounds: arguments.bounds,
+        resolution: arguments.resolution,
+        crs: arguments.crs.clone(),
+    };
+    let threads = context
+        .threads
+        .unwrap_or_else(|| std::thread::available_parallelism().map_or(2, usize::from));
+    let progress = Progress::new("baking");
+    let told = &mut |share: f64| progress.set(share);
+    let result = engine
+        .questions()
+        .bake(&bake, &arguments.file, threads, told, context.cancel);
+    match result {
+        Ok(()) => Ok(()),
+        Err(
+            BakeError::Render(RenderError::Cancelled) | BakeError::Write(WriteError::Cancelled),
+        ) => Err(Failure::Cancelled),
+        Err(_) if context.cancel.is_cancelled() => Err(Failure::Cancelled),
+        Err(error @ BakeError::Write(WriteError::Io { .. })) => Err(Failure::system(error)),
+        Err(error) => Err(Failure::Input(format!("{error}: {:?}", arguments.project))),
+    }
+}

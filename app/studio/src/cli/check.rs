@@ -1,0 +1,217 @@
+//! `relievo check`: every problem of a project, with where it is and how to mend it.
+
+use std::path::PathBuf;
+
+use relievo_engine::Engine;
+use relievo_engine::SourceState;
+use relievo_engine::project::{Layer, LayerId, LayerKind, Project};
+use relievo_engine::raster::RasterInfo;
+use relievo_engine::raster::crs::Crs;
+use serde::Serialize;
+
+use super::{Context, Failure, project};
+
+/// Part by which the radii of a source and of the planet may differ.
+const RADIUS_TOLERANCE: f64 = 0.01;
+
+/// Find every problem of a project.
+///
+/// Each is told with where it is and how to mend it. Errors end with exit code 2; warnings do not.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The project.
+    #[arg(value_name = "PROJECT")]
+    project: PathBuf,
+    /// Print a JSON array instead of lines.
+    #[arg(long)]
+    json: bool,
+}
+
+/// How bad a problem is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Severity {
+    Warning,
+    Error,
+}
+
+/// One problem.
+#[derive(Debug, Serialize)]
+struct Problem {
+    severity: Severity,
+    /// JSON pointer into the project file.
+    place: String,
+    /// The layer's id, where it is about one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    layer: Option<LayerIdText>,
+    /// What was expected and what was found.
+    what: String,
+    /// How to mend it.
+    mend: String,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(transparent)]
+struct LayerIdText(String);
+
+pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
+    let mut engine = project::open(&arguments.project, context)?;
+    project::wait_for_sources(&mut engine, context)?;
+    let problems = problems(&engine);
+    if arguments.json {
+        let text = serde_json::to_string_pretty(&problems).map_err(Failure::system)?;
+        writeln!(context.out, "{text}")?;
+    } else {
+        for p in &problems {
+            let severity = if p.severity == Severity::Error {
+                "error"
+            } else {
+                "warning"
+            };
+            writeln!(
+                context.out,
+                "{severity} at {}: {}\n  to mend it: {}",
+                p.place, p.what, p.mend
+            )?;
+        }
+        if problems.is_empty() {
+            writeln!(
+                context.out,
+                "no problems in {}",
+                arguments.project.display()
+            )?;
+        }
+    }
+    match problems
+        .iter()
+        .filter(|p| p.severity == Severity::Error)
+        .count()
+    {
+        0 => Ok(()),
+        1 => Err(Failure::Input(format!(
+            "expected a project without errors, found 1: {:?}",
+            arguments.project
+        ))),
+        n => Err(Failure::Input(format!(
+            "expected a project without errors, found {n}: {:?}",
+            arguments.project
+        ))),
+    }
+}
+
+/// All problems, by place.
+fn problems(engine: &Engine) -> Vec<Problem> {
+    let project = engine.project();
+    let mut found = Vec::new();
+    unknown_fields("", project.extra.keys(), None, &mut found);
+    unknown_fields("/planet", project.planet.extra.keys(), None, &mut found);
+    unknown_fields("/camera", project.camera.extra.keys(), None, &mut found);
+    unknown_fields("/quality", project.quality.extra.keys(), None, &mut found);
+    unknown_fields("/sun", project.sun.extra.keys(), None, &mut found);
+    for (index, layer) in project.layers.iter().enumerate() {
+        of_layer(engine, index, layer, &mut found);
+    }
+    heights_for_tints(project, &mut found);
+    found
+}
+
+fn of_layer(engine: &Engine, index: usize, layer: &Layer, found: &mut Vec<Problem>) {
+    let place = format!("/layers/{index}");
+    let mut tell = |severity, place: String, what: String, mend: &str| {
+        found.push(Problem {
+            severity,
+            place,
+            layer: Some(text_of(&layer.id)),
+            what,
+            mend: mend.to_owned(),
+        });
+    };
+    if let LayerKind::Unknown { kind } = &layer.kind {
+        tell(
+            Severity::Warning,
+            format!("{place}/kind"),
+            format!(
+                "expected imagery, height, noise or tint, found {kind:?}: the layer has no effect"
+            ),
+            "open the project with a newer Relievo, or remove the layer",
+        );
+        return;
+    }
+    match engine.sources().state(&layer.kind, engine.folder()) {
+        Some(SourceState::Failed(reason)) => {
+            let mend = if reason.contains("georeference") {
+                "add a georeference with crs and extent to the layer"
+            } else {
+                "correct the layer's path, restore the file, or remove the layer"
+            };
+            tell(Severity::Error, format!("{place}/path"), reason, mend);
+        }
+        Some(SourceState::Open(file)) => {
+            if let Some(what) = other_planet(engine.project(), file.info()) {
+                tell(
+                    Severity::Warning,
+                    format!("{place}/path"),
+                    what,
+                    "set the planet to the one of the data, or take another file",
+                );
+            }
+        }
+        Some(SourceState::Opening(_)) | None => {}
+    }
+    unknown_fields(&place, layer.extra.keys(), Some(&layer.id), found);
+}
+
+/// What is odd about a source whose coordinate system belongs to another planet.
+fn other_planet(project: &Project, info: &RasterInfo) -> Option<String> {
+    let (source_m, _) = Crs::parse(&info.georeference.as_ref()?.crs).ok()?.radii_m();
+    let planet_m = project.planet.body.figure().equatorial_radius_m;
+    ((source_m / planet_m - 1.0).abs() > RADIUS_TOLERANCE).then(|| {
+        format!(
+            "expected data on a planet of {planet_m} m, found a radius of {source_m} m: {:?}",
+            info.path
+        )
+    })
+}
+
+fn heights_for_tints(project: &Project, found: &mut Vec<Problem>) {
+    let gives_heights =
+        |l: &Layer| matches!(l.kind, LayerKind::Height(_) | LayerKind::Noise(_)) && l.visible;
+    if project.layers.iter().any(gives_heights) {
+        return;
+    }
+    for (index, layer) in project.layers.iter().enumerate() {
+        if matches!(layer.kind, LayerKind::Tint(_)) && layer.visible {
+            found.push(Problem {
+                severity: Severity::Warning,
+                place: format!("/layers/{index}"),
+                layer: Some(text_of(&layer.id)),
+                what: "expected visible heights to colour, found none: all is one colour"
+                    .to_owned(),
+                mend: "add a height or noise layer, or show one".to_owned(),
+            });
+        }
+    }
+}
+
+fn unknown_fields<'a>(
+    place: &str,
+    names: impl Iterator<Item = &'a String>,
+    layer: Option<&LayerId>,
+    found: &mut Vec<Problem>,
+) {
+    for name in names {
+        found.push(Problem {
+            severity: Severity::Warning,
+            place: format!("{place}/{name}"),
+            layer: layer.map(text_of),
+            what: format!(
+                "expected a field of this version, found {name:?}: it is kept but has no effect"
+            ),
+            mend: "correct the spelling, remove it, or use a newer Relievo".to_owned(),
+        });
+    }
+}
+
+fn text_of(id: &LayerId) -> LayerIdText {
+    LayerIdText(id.0.clone())
+}

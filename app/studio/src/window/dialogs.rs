@@ -1,0 +1,332 @@
+//! Questions that wait for an answer in front of everything else.
+
+use std::path::PathBuf;
+
+use eframe::egui::{
+    self, DragValue, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, WidgetInfo,
+};
+use relievo_engine::planet::Camera;
+
+use super::inbox::Purpose;
+use crate::commands::{Menu, TABLE};
+
+/// What happens once unsaved changes are saved or given up.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Then {
+    /// The program ends.
+    Quit,
+    /// Another project is chosen.
+    PickProject,
+    /// This project is opened.
+    Open(PathBuf),
+    /// An empty one is started.
+    New,
+}
+
+/// A camera as people write it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Destination {
+    lon_deg: f64,
+    lat_deg: f64,
+    altitude_m: f64,
+    heading_deg: f64,
+    pitch_deg: f64,
+}
+
+impl Destination {
+    /// The values of a camera.
+    pub(crate) fn of(camera: &Camera) -> Self {
+        Self {
+            lon_deg: camera.lon_rad.to_degrees(),
+            lat_deg: camera.lat_rad.to_degrees(),
+            altitude_m: camera.altitude_m,
+            heading_deg: camera.heading_rad.to_degrees(),
+            pitch_deg: camera.pitch_rad.to_degrees(),
+        }
+    }
+
+    /// The camera, with the field of view of another.
+    pub(crate) fn camera(&self, like: &Camera) -> Camera {
+        Camera {
+            lon_rad: self.lon_deg.to_radians(),
+            lat_rad: self.lat_deg.to_radians(),
+            altitude_m: self.altitude_m,
+            heading_rad: self.heading_deg.to_radians(),
+            pitch_rad: self.pitch_deg.to_radians(),
+            fov_y_rad: like.fov_y_rad,
+        }
+    }
+}
+
+/// A question.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Dialog {
+    /// The project has changes that are not saved.
+    Unsaved(Then),
+    /// Another program changed the project's file.
+    ChangedOnDisk,
+    /// Where to fly.
+    GoTo(Destination),
+    /// All commands.
+    Help,
+    /// A path to type, where the system has no file dialog.
+    Path(Purpose, String),
+}
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Answer {
+    /// Nothing happens.
+    Cancel,
+    /// Save first.
+    Save(Then),
+    /// Give the changes up.
+    Discard(Then),
+    /// Save over what the other program wrote.
+    Overwrite,
+    /// Save under another name.
+    SaveAs,
+    /// Open what the other program wrote.
+    Reload,
+    /// Fly there.
+    GoTo(Destination),
+    /// Use this path.
+    Path(Purpose, PathBuf),
+}
+
+/// Draws a question; `None` until it is answered.
+pub(crate) fn show(ctx: &egui::Context, dialog: &mut Dialog, name: &str) -> Option<Answer> {
+    let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
+        ui.set_max_width(440.0);
+        match dialog {
+            Dialog::Unsaved(then) => unsaved(ui, name, then),
+            Dialog::ChangedOnDisk => changed_on_disk(ui, name),
+            Dialog::GoTo(destination) => go_to(ui, destination),
+            Dialog::Help => help(ui),
+            Dialog::Path(purpose, text) => path(ui, *purpose, text),
+        }
+    });
+    if modal.inner.is_none() && modal.should_close() {
+        return Some(Answer::Cancel);
+    }
+    modal.inner
+}
+
+fn unsaved(ui: &mut Ui, name: &str, then: &Then) -> Option<Answer> {
+    ui.heading(format!("Save changes to {name}?"));
+    ui.label("They are lost otherwise.");
+    ui.add_space(8.0);
+    buttons(ui, |ui| {
+        let save = ui.button(RichText::new("Save").strong()).clicked();
+        let discard = ui.button("Don't save").clicked();
+        let cancel = ui.button("Cancel").clicked();
+        match (save, discard, cancel) {
+            (true, ..) => Some(Answer::Save(then.clone())),
+            (_, true, _) => Some(Answer::Discard(then.clone())),
+            (.., true) => Some(Answer::Cancel),
+            _ => None,
+        }
+    })
+}
+
+fn changed_on_disk(ui: &mut Ui, name: &str) -> Option<Answer> {
+    ui.heading(format!("{name} changed on disk"));
+    ui.label("Another program wrote the file since it was opened. Nothing has been saved yet.");
+    ui.add_space(8.0);
+    buttons(ui, |ui| {
+        let choices = [
+            ("Save as…", "Keep both", Answer::SaveAs),
+            (
+                "Overwrite",
+                "Keep what is in this window",
+                Answer::Overwrite,
+            ),
+            ("Reload", "Keep what is on disk", Answer::Reload),
+            ("Cancel", "Decide later", Answer::Cancel),
+        ];
+        choices.into_iter().find_map(|(text, hint, answer)| {
+            ui.button(text)
+                .on_hover_text(hint)
+                .clicked()
+                .then_some(answer)
+        })
+    })
+}
+
+fn go_to(ui: &mut Ui, to: &mut Destination) -> Option<Answer> {
+    ui.heading("Go to");
+    ui.add_space(4.0);
+    Grid::new("destination")
+        .num_columns(2)
+        .spacing([12.0, 6.0])
+        .show(ui, |ui| {
+            field(
+                ui,
+                "Longitude",
+                "Degrees, east positive, -180 to 180",
+                &mut to.lon_deg,
+                -180.0..=180.0,
+                "°",
+                0.1,
+            );
+            field(
+                ui,
+                "Latitude",
+                "Degrees, north positive, -90 to 90",
+                &mut to.lat_deg,
+                -90.0..=90.0,
+                "°",
+                0.1,
+            );
+            let speed = (to.altitude_m.abs() * 0.01).max(1.0);
+            field(
+                ui,
+                "Altitude",
+                "Metres above the datum",
+                &mut to.altitude_m,
+                -10_000.0..=1e8,
+                " m",
+                speed,
+            );
+            field(
+                ui,
+                "Heading",
+                "Degrees clockwise from north, 0 to 360",
+                &mut to.heading_deg,
+                0.0..=360.0,
+                "°",
+                1.0,
+            );
+            field(
+                ui,
+                "Pitch",
+                "Degrees: -90 looks down, 0 to the horizon",
+                &mut to.pitch_deg,
+                -90.0..=89.0,
+                "°",
+                1.0,
+            );
+        });
+    ui.add_space(8.0);
+    let entered = ui.input(|i| i.key_pressed(Key::Enter)) && !ui.ctx().text_edit_focused();
+    buttons(ui, |ui| {
+        let go = ui.button(RichText::new("Go").strong()).clicked() || entered;
+        let cancel = ui.button("Cancel").clicked();
+        if go {
+            Some(Answer::GoTo(*to))
+        } else {
+            cancel.then_some(Answer::Cancel)
+        }
+    })
+}
+
+fn field(
+    ui: &mut Ui,
+    name: &str,
+    hint: &str,
+    value: &mut f64,
+    range: core::ops::RangeInclusive<f64>,
+    unit: &str,
+    speed: f64,
+) {
+    let label = ui.label(name);
+    let field = DragValue::new(value)
+        .range(range)
+        .speed(speed)
+        .suffix(unit)
+        .max_decimals(6);
+    ui.add(field).labelled_by(label.id).on_hover_text(hint);
+    ui.end_row();
+}
+
+fn help(ui: &mut Ui) -> Option<Answer> {
+    ui.heading("Commands and keys");
+    ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+        ui.add_space(4.0);
+        ui.strong("Moving");
+        let moving = [
+            ("Drag", "Move the ground under the pointer"),
+            (
+                "Right drag, Ctrl+drag",
+                "Turn around the place under the pointer",
+            ),
+            ("Wheel, pinch", "Zoom towards the pointer"),
+            ("Double click", "Fly there"),
+            ("W A S D", "Fly ahead, left, back, right"),
+            ("E, Q", "Climb, descend"),
+            ("Shift", "Fly faster"),
+            ("Escape", "Take the drag of a slider back"),
+        ];
+        Grid::new("moving")
+            .num_columns(2)
+            .striped(true)
+            .spacing([16.0, 3.0])
+            .show(ui, |ui| {
+                for (keys, what) in moving {
+                    ui.monospace(keys);
+                    ui.label(what);
+                    ui.end_row();
+                }
+            });
+        for menu in Menu::ALL {
+            ui.add_space(6.0);
+            ui.strong(menu.title());
+            Grid::new(menu.title())
+                .num_columns(2)
+                .striped(true)
+                .spacing([16.0, 3.0])
+                .show(ui, |ui| {
+                    for entry in TABLE.iter().filter(|e| e.menu == menu) {
+                        ui.monospace(entry.shortcut_text(ui.ctx()));
+                        ui.label(format!(
+                            "{}: {}",
+                            entry.title.trim_end_matches('…'),
+                            entry.help
+                        ));
+                        ui.end_row();
+                    }
+                });
+        }
+    });
+    ui.add_space(8.0);
+    buttons(ui, |ui| {
+        ui.button("Close").clicked().then_some(Answer::Cancel)
+    })
+}
+
+fn path(ui: &mut Ui, purpose: Purpose, text: &mut String) -> Option<Answer> {
+    let (title, go) = match purpose {
+        Purpose::Open => ("Open project", "Open"),
+        Purpose::Save => ("Save project as", "Save"),
+        Purpose::Add => ("Add a raster file", "Add"),
+        Purpose::Picture => ("Save picture as", "Save"),
+    };
+    ui.heading(title);
+    ui.weak("This desktop has no file dialog; type the path.");
+    let field = ui.add(
+        TextEdit::singleline(text)
+            .desired_width(f32::INFINITY)
+            .hint_text("/folder/file"),
+    );
+    field.widget_info(|| WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
+    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+    if !entered && ui.memory(|m| m.focused().is_none()) {
+        field.request_focus();
+    }
+    ui.add_space(8.0);
+    buttons(ui, |ui| {
+        let use_it = ui.add_enabled(
+            !text.trim().is_empty(),
+            egui::Button::new(RichText::new(go).strong()),
+        );
+        let cancel = ui.button("Cancel").clicked();
+        if use_it.clicked() || (entered && !text.trim().is_empty()) {
+            return Some(Answer::Path(purpose, PathBuf::from(text.trim())));
+        }
+        cancel.then_some(Answer::Cancel)
+    })
+}
+
+fn buttons(ui: &mut Ui, content: impl FnOnce(&mut Ui) -> Option<Answer>) -> Option<Answer> {
+    ui.horizontal(content).inner
+}

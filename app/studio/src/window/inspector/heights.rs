@@ -1,0 +1,118 @@
+//! Sliders of layers that give heights.
+
+use eframe::egui::Ui;
+use relievo_engine::project::{Edit, HeightLayer, LayerId, Noise, NoiseMode};
+
+use crate::window::action::Action;
+use crate::window::controls::{self, Number};
+
+const SCALE: Number = Number::new(
+    "Scale",
+    "Metres per unit of the file; 0.3048 for feet",
+    -10.0..=10.0,
+    1.0,
+)
+.unit("", 4);
+const OFFSET: Number = Number::new(
+    "Offset",
+    "Metres added to all heights",
+    -10_000.0..=10_000.0,
+    0.0,
+)
+.unit(" m", 1);
+
+const SEED: Number = Number::new("Seed", "Chooses the pattern", 0.0..=9999.0, 0.0).whole();
+const AMPLITUDE: Number = Number::new(
+    "Amplitude",
+    "Largest height of the widest waves",
+    0.0..=100_000.0,
+    1000.0,
+)
+.unit(" m", 1)
+.logarithmic();
+const WAVELENGTH: Number = Number::new(
+    "Wavelength",
+    "Length of the widest waves",
+    1.0..=10_000_000.0,
+    1_000_000.0,
+)
+.unit(" m", 0)
+.logarithmic();
+const OCTAVES: Number =
+    Number::new("Octaves", "How many finer waves are added", 1.0..=32.0, 8.0).whole();
+const LACUNARITY: Number = Number::new(
+    "Lacunarity",
+    "Factor on the frequency from octave to octave",
+    1.0..=8.0,
+    2.0,
+);
+const GAIN: Number = Number::new(
+    "Persistence",
+    "Factor on the height from octave to octave",
+    0.0..=1.0,
+    0.5,
+);
+
+const MODES: [(NoiseMode, &str); 2] = [
+    (NoiseMode::Add, "Add to heights below"),
+    (NoiseMode::Replace, "Replace heights below"),
+];
+
+/// How a file's values become metres.
+pub(crate) fn scale(ui: &mut Ui, id: &LayerId, layer: &HeightLayer, actions: &mut Vec<Action>) {
+    let edit = |vertical_scale, offset_m| Edit::SetHeightScale {
+        id: id.clone(),
+        vertical_scale,
+        offset_m,
+    };
+    controls::number(ui, &SCALE, layer.vertical_scale, actions, |v| {
+        edit(v, layer.offset_m)
+    });
+    controls::number(ui, &OFFSET, layer.offset_m, actions, |v| {
+        edit(layer.vertical_scale, v)
+    });
+}
+
+/// The parameters of noise.
+pub(crate) fn noise(ui: &mut Ui, id: &LayerId, noise: &Noise, actions: &mut Vec<Action>) {
+    let edit = |noise| Edit::SetNoise {
+        id: id.clone(),
+        noise,
+    };
+    let hint = "How the noise meets the heights of the layers below";
+    controls::choice(ui, "Mode", hint, &MODES, noise.mode, actions, |mode| {
+        edit(Noise {
+            mode,
+            ..noise.clone()
+        })
+    });
+    let mut row = |ui: &mut Ui, number: &Number, value: f64, set: &dyn Fn(&mut Noise, f64)| {
+        controls::number(ui, number, value, actions, |new| {
+            let mut noise = noise.clone();
+            set(&mut noise, new);
+            edit(noise)
+        });
+    };
+    row(ui, &AMPLITUDE, noise.amplitude_m, &|n, v| n.amplitude_m = v);
+    row(ui, &WAVELENGTH, noise.wavelength_m, &|n, v| {
+        n.wavelength_m = v
+    });
+    row(ui, &OCTAVES, f64::from(noise.octaves), &|n, v| {
+        n.octaves = v as u32
+    });
+    row(ui, &GAIN, noise.gain, &|n, v| n.gain = v);
+    row(ui, &LACUNARITY, noise.lacunarity, &|n, v| n.lacunarity = v);
+    row(ui, &OFFSET, noise.offset_m, &|n, v| n.offset_m = v);
+    row(ui, &SEED, f64::from(noise.seed), &|n, v| n.seed = v as u32);
+    let mut ridged = noise.ridged;
+    if ui
+        .checkbox(&mut ridged, "Ridged")
+        .on_hover_text("Folds waves to sharp ridges")
+        .changed()
+    {
+        actions.push(Action::Edit(edit(Noise {
+            ridged,
+            ..noise.clone()
+        })));
+    }
+}

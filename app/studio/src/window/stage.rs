@@ -1,0 +1,140 @@
+//! What draws the planet in a window: a renderer on the window's own device.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use eframe::{egui, egui_wgpu};
+use relievo_engine::{Frame, project};
+use relievo_gpu::{FrameStats, Gpu, Picture, Quality, ReadError, RenderError, Renderer};
+
+use crate::picture;
+
+/// A renderer for a window.
+pub(crate) struct Stage {
+    gpu: Gpu,
+    renderer: Arc<Mutex<Renderer>>,
+    quality: Quality,
+    stats: Option<FrameStats>,
+}
+
+impl Stage {
+    /// A stage on a window's device.
+    ///
+    /// # Errors
+    /// One line that says why the adapter does not do.
+    pub(crate) fn new(
+        state: &egui_wgpu::RenderState,
+        settings: &project::Quality,
+    ) -> Result<Self, String> {
+        let limits = state.device.limits();
+        let quality = picture::quality(
+            settings,
+            Gpu::shared(&state.adapter, &state.device, &state.queue).class,
+        );
+        if limits.max_texture_dimension_2d < quality.colour_window
+            || limits.max_texture_array_layers < 32
+        {
+            return Err(format!(
+                "the graphics adapter {} is too small: textures of {} pixels and {} layers, expected {} and 32",
+                state.adapter.get_info().name,
+                limits.max_texture_dimension_2d,
+                limits.max_texture_array_layers,
+                quality.colour_window
+            ));
+        }
+        let gpu = Gpu::shared(&state.adapter, &state.device, &state.queue);
+        let renderer =
+            Renderer::new(&gpu, state.target_format, quality).map_err(|e| e.to_string())?;
+        Ok(Self {
+            gpu,
+            renderer: Arc::new(Mutex::new(renderer)),
+            quality,
+            stats: None,
+        })
+    }
+
+    /// The quality that fits a project's settings on this adapter.
+    pub(crate) fn quality_for(&self, settings: &project::Quality) -> Quality {
+        picture::quality(settings, self.gpu.class)
+    }
+
+    /// The quality it draws with.
+    pub(crate) fn quality(&self) -> Quality {
+        self.quality
+    }
+
+    /// Whether the device is gone.
+    pub(crate) fn is_lost(&self) -> bool {
+        self.gpu.loss.is_lost()
+    }
+
+    /// Name of the adapter.
+    pub(crate) fn adapter(&self) -> &str {
+        &self.gpu.info.name
+    }
+
+    /// What the latest frame cost.
+    pub(crate) fn stats(&self) -> Option<&FrameStats> {
+        self.stats.as_ref()
+    }
+
+    /// Draws a frame into the stage's own picture.
+    ///
+    /// # Errors
+    /// When the device is lost or an upload does not fit.
+    pub(crate) fn draw(&mut self, frame: &Frame) -> Result<(), RenderError> {
+        let label = Some("stage/encoder");
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
+        let stats = lock(&self.renderer).render(frame, &mut encoder)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        self.stats = Some(stats);
+        Ok(())
+    }
+
+    /// A shape that shows the latest picture in a rectangle.
+    pub(crate) fn shape(&self, rect: egui::Rect) -> egui::Shape {
+        egui_wgpu::Callback::new_paint_callback(rect, Blit(Arc::clone(&self.renderer))).into()
+    }
+
+    /// The latest picture in memory.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub(crate) fn picture(&self) -> Result<Picture, ReadError> {
+        lock(&self.renderer).read_back()
+    }
+}
+
+/// A renderer is whole after any panic: it holds no half-made state between calls.
+fn lock(renderer: &Mutex<Renderer>) -> MutexGuard<'_, Renderer> {
+    renderer.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Shows the picture inside egui's own pass.
+struct Blit(Arc<Mutex<Renderer>>);
+
+impl egui_wgpu::CallbackTrait for Blit {
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        _resources: &egui_wgpu::CallbackResources,
+    ) {
+        lock(&self.0).blit(pass);
+    }
+}
+
+/// How a window's device is opened.
+pub(crate) fn wgpu_options() -> egui_wgpu::WgpuConfiguration {
+    let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
+    let native =
+        wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12 | wgpu::Backends::GL;
+    setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(native);
+    setup.device_descriptor = Arc::new(relievo_gpu::device_descriptor);
+    egui_wgpu::WgpuConfiguration {
+        wgpu_setup: setup.into(),
+        ..egui_wgpu::WgpuConfiguration::default()
+    }
+}

@@ -1,0 +1,69 @@
+//! How the window looks: quiet, so that the terrain is what one sees.
+
+use eframe::egui::{Color32, Context, CornerRadius, Margin, Stroke, Theme, Visuals, vec2};
+
+/// The colour of what is selected and active.
+const ACCENT_DARK: Color32 = Color32::from_rgb(46, 120, 150);
+/// The same on light ground.
+const ACCENT_LIGHT: Color32 = Color32::from_rgb(28, 110, 145);
+
+/// Sets spacing and colours of both themes; which one is used follows the system.
+pub(crate) fn apply(ctx: &Context) {
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| {
+            style.spacing.item_spacing = vec2(6.0, 5.0);
+            style.spacing.button_padding = vec2(8.0, 3.0);
+            style.spacing.window_margin = Margin::same(14);
+            style.spacing.menu_margin = Margin::same(6);
+            style.visuals = visuals(theme);
+        });
+    }
+}
+
+fn visuals(theme: Theme) -> Visuals {
+    let mut v = match theme {
+        Theme::Dark => Visuals::dark(),
+        Theme::Light => Visuals::light(),
+    };
+    let (panel, window, accent) = match theme {
+        Theme::Dark => (Color32::from_gray(28), Color32::from_gray(36), ACCENT_DARK),
+        Theme::Light => (
+            Color32::from_gray(246),
+            Color32::from_gray(252),
+            ACCENT_LIGHT,
+        ),
+    };
+    v.panel_fill = panel;
+    v.window_fill = window;
+    v.selection.bg_fill = accent;
+    v.selection.stroke = Stroke::new(
+        1.0,
+        if theme == Theme::Dark {
+            Color32::from_gray(235)
+        } else {
+            Color32::WHITE
+        },
+    );
+    v.slider_trailing_fill = true;
+    v.window_corner_radius = CornerRadius::same(8);
+    for widget in [
+        &mut v.widgets.inactive,
+        &mut v.widgets.hovered,
+        &mut v.widgets.active,
+        &mut v.widgets.open,
+    ] {
+        widget.corner_radius = CornerRadius::same(4);
+    }
+    v
+}
+
+/// Ground of a selected row.
+pub(crate) fn selection_fill(visuals: &Visuals) -> Color32 {
+    visuals
+        .selection
+        .bg_fill
+        .gamma_multiply(if visuals.dark_mode { 0.45 } else { 0.22 })
+}
+
+/// Ground of texts that lie over the picture.
+pub(crate) const OVERLAY: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 170);

@@ -1,0 +1,320 @@
+//! The view of the planet: pointer and keys move the camera, the engine's frame is drawn.
+
+use std::time::Duration;
+
+use eframe::egui::{
+    self, Align2, Color32, CornerRadius, FontId, Key, PointerButton, Pos2, Rect, Response, Role,
+    Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
+use glam::{DVec2, DVec3};
+use relievo_engine::Frame;
+use relievo_engine::planet::MapPoint;
+use relievo_engine::planet::camera::FlyInput;
+use relievo_gpu::{AdapterClass, RenderError};
+
+use super::messages::Weight;
+use super::navigation::Hit;
+use super::probe::Spot;
+use super::status::Pointed;
+use super::studio::Studio;
+use super::theme;
+use crate::picture;
+
+/// Points that the wheel scrolls for one step of zoom.
+const POINTS_PER_STEP: f64 = 40.0;
+
+/// Longest time between frames that motion follows, seconds: after a pause nothing jumps.
+const LONGEST_FRAME_S: f32 = 0.1;
+
+/// The pointer rests when it has not moved for so long, seconds.
+const REST_S: f32 = 0.12;
+
+/// Factor on the speed of flight while Shift is held.
+const FASTER: f64 = 5.0;
+
+impl Studio {
+    /// Draws the viewport into all that is left.
+    pub(super) fn viewport(&mut self, ui: &mut Ui) {
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "View of the planet"));
+        if rect.width() < 1.0 || rect.height() < 1.0 {
+            return;
+        }
+        let dt_s = ui.input(|i| i.stable_dt).min(LONGEST_FRAME_S);
+        self.steer(ui, rect, &response, dt_s);
+        self.draw(ui, rect, dt_s);
+        self.point(ui, rect, &response);
+        self.compass(ui, rect);
+        self.notes(ui, rect);
+    }
+
+    fn steer(&mut self, ui: &Ui, rect: Rect, response: &Response, dt_s: f32) {
+        let planet = self.document.project().planet.body.figure();
+        let aspect = f64::from(rect.aspect_ratio());
+        let here_m = self.ground_below_m();
+        let pointer = ui.input(|i| i.pointer.latest_pos());
+        if response.drag_started() {
+            let origin = ui.input(|i| i.pointer.press_origin()).or(pointer);
+            let orbit = !response.drag_started_by(PointerButton::Primary)
+                || ui.input(|i| i.modifiers.command);
+            let hit = origin.and_then(|p| self.hit(rect, p));
+            self.navigation.grab(hit, orbit);
+            response.request_focus();
+        }
+        if response.dragged()
+            && let Some(at) = pointer
+        {
+            let moved = response.drag_delta() / rect.height();
+            let moved = DVec2::new(f64::from(moved.x), f64::from(moved.y));
+            self.navigation.drag(&planet, ndc(rect, at), aspect, moved);
+        }
+        if response.drag_stopped() {
+            self.navigation.release();
+        }
+        if response.hovered()
+            && let Some(at) = pointer
+        {
+            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+            let steps = f64::from(scroll) / POINTS_PER_STEP + f64::from(pinch).ln() / 1.25_f64.ln();
+            if steps != 0.0 {
+                let ground_m = self.hit(rect, at).map_or(here_m, |h| h.ground_m);
+                self.navigation
+                    .zoom(&planet, ground_m, ndc(rect, at), aspect, steps);
+            }
+        }
+        if response.double_clicked()
+            && let Some(at) = pointer
+            && let Some(hit) = self.hit(rect, at)
+        {
+            self.navigation
+                .approach(&planet, here_m, hit, ndc(rect, at), aspect);
+        }
+        let input = if self.dialog.is_none() && !ui.ctx().text_edit_focused() {
+            keys(ui)
+        } else {
+            FlyInput::default()
+        };
+        let held = input.right != 0.0 || input.forward != 0.0 || input.up != 0.0;
+        self.navigation
+            .advance(&planet, here_m, &input, f64::from(dt_s));
+        self.navigation.stay_above(self.ground_below_m());
+        if held || self.navigation.is_moving() {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn draw(&mut self, ui: &Ui, rect: Rect, dt_s: f32) {
+        let scale = ui.ctx().pixels_per_point();
+        let viewport_px =
+            [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
+        let settings = &self.document.project().quality;
+        let quality = match &self.stage {
+            Some(stage) => stage.quality(),
+            None => picture::quality(settings, AdapterClass::Software),
+        };
+        let view = picture::view(*self.navigation.camera(), viewport_px, settings, &quality);
+        let engine = self.document.engine_mut();
+        engine.set_view(view);
+        let Some(frame) = engine.drain(dt_s) else {
+            return;
+        };
+        self.status.pending = frame.pending;
+        self.frame_revision = frame.revision;
+        if let Some(stage) = &mut self.stage {
+            match stage.draw(&frame) {
+                Ok(()) => {}
+                Err(RenderError::DeviceLost) => self.device_lost(ui.ctx()),
+                Err(error @ RenderError::Upload(_)) => {
+                    self.log.add(Weight::Error, error.to_string())
+                }
+            }
+        }
+        match &self.stage {
+            Some(stage) => {
+                ui.painter().add(stage.shape(rect));
+                self.status.gpu_ms = stage.stats().and_then(|s| s.gpu_ms);
+                self.status.triangles = stage.stats().map_or(0, |s| s.triangles);
+            }
+            None => {
+                ui.painter()
+                    .rect_filled(rect, CornerRadius::ZERO, Color32::from_gray(12));
+            }
+        }
+        if is_changing(&frame) {
+            ui.ctx().request_repaint();
+        } else if frame.pending > 0 {
+            // Tiles wake the window when they are there; this is for what does not.
+            ui.ctx().request_repaint_after(Duration::from_millis(100));
+        }
+    }
+
+    /// What the status bar says of the place under the pointer.
+    fn point(&mut self, ui: &Ui, rect: Rect, response: &Response) {
+        self.status.above_ground_m = self.navigation.camera().altitude_m - self.ground_below_m();
+        let at = response
+            .hover_pos()
+            .filter(|_| response.hovered() || response.dragged());
+        let found = at.and_then(|at| {
+            let camera = *self.navigation.camera();
+            let (eye, ray) = self.ray(rect, at, &camera);
+            self.document.engine().cast(eye, ray)
+        });
+        let Some((point, drawn_m)) = found else {
+            self.status.pointed = None;
+            self.probe.forget();
+            return;
+        };
+        // A rounded place: what is asked for stays the same while nothing moves.
+        let spot = Spot {
+            point,
+            revision: self.document.revision() ^ (self.frame_revision << 32),
+        };
+        let rests = ui.input(|i| i.pointer.time_since_last_movement()) >= REST_S
+            && !self.navigation.is_moving();
+        if rests && self.status.pending == 0 && self.status.opening == 0 {
+            let engine = self.document.engine();
+            self.probe.ask(spot, || engine.questions());
+        } else if !rests {
+            ui.ctx()
+                .request_repaint_after(Duration::from_secs_f32(REST_S));
+        }
+        let measured = self
+            .probe
+            .answer(spot)
+            .map(|a| (a.height_m, a.slope_deg, a.spacing_m));
+        self.status.pointed = Some(Pointed {
+            point,
+            drawn_m,
+            measured,
+        });
+    }
+
+    /// The ground that a point of the screen shows.
+    fn hit(&self, rect: Rect, at: Pos2) -> Option<Hit> {
+        let (eye, ray) = self.ray(rect, at, self.navigation.camera());
+        let (point, height_m) = self.document.engine().cast(eye, ray)?;
+        let ground_m = height_m * self.document.project().planet.vertical_exaggeration;
+        Some(Hit {
+            direction: point.to_unit(),
+            ground_m,
+        })
+    }
+
+    /// The ground in the middle of the picture.
+    pub(super) fn middle(&self) -> Option<Hit> {
+        let square = Rect::from_min_size(Pos2::ZERO, vec2(2.0, 2.0));
+        self.hit(square, square.center())
+    }
+
+    fn ray(&self, rect: Rect, at: Pos2, camera: &relievo_engine::planet::Camera) -> (DVec3, DVec3) {
+        let planet = self.document.project().planet.body.figure();
+        let ndc = ndc(rect, at);
+        (
+            camera.eye(&planet),
+            camera.ray(ndc.x, ndc.y, f64::from(rect.aspect_ratio())),
+        )
+    }
+
+    /// Height of the drawn ground below the eye, metres.
+    pub(super) fn ground_below_m(&self) -> f64 {
+        self.ground_m(self.navigation.camera().map_point())
+    }
+
+    /// Height of the drawn ground at a place, exaggerated, metres.
+    pub(super) fn ground_m(&self, point: MapPoint) -> f64 {
+        self.document.engine().ground_m(point)
+            * self.document.project().planet.vertical_exaggeration
+    }
+
+    /// A needle that points north; a click turns north up.
+    fn compass(&mut self, ui: &mut Ui, rect: Rect) {
+        let centre = pos2(rect.right() - 32.0, rect.top() + 32.0);
+        let area = Rect::from_center_size(centre, vec2(40.0, 40.0));
+        if !rect.contains_rect(area) {
+            return;
+        }
+        let response = ui.interact(area, ui.scope_id().with("compass"), Sense::click());
+        let heading_deg = self
+            .navigation
+            .camera()
+            .heading_rad
+            .to_degrees()
+            .rem_euclid(360.0);
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Turn north up"));
+        let painter = ui.painter();
+        let rim = if response.hovered() || response.has_focus() {
+            Color32::WHITE
+        } else {
+            Color32::from_white_alpha(90)
+        };
+        painter.circle(centre, 18.0, theme::OVERLAY, Stroke::new(1.0, rim));
+        let (sin, cos) = (-self.navigation.camera().heading_rad as f32).sin_cos();
+        let turned = |x: f32, y: f32| centre + vec2(x * cos - y * sin, x * sin + y * cos);
+        let (north, south) = (Color32::from_rgb(235, 92, 76), Color32::from_gray(210));
+        let half = |tip: f32, fill| {
+            let points = vec![turned(0.0, tip), turned(4.5, 0.0), turned(-4.5, 0.0)];
+            egui::Shape::convex_polygon(points, fill, Stroke::NONE)
+        };
+        painter.add(half(-14.0, north));
+        painter.add(half(14.0, south));
+        let hint = format!("Heading {heading_deg:.0}°. Click for north up (N)");
+        if response.on_hover_text(hint).clicked() {
+            self.north_up();
+        }
+    }
+
+    /// Texts over the picture: what to do with an empty project, why there is none.
+    fn notes(&self, ui: &Ui, rect: Rect) {
+        let text = if let Some(reason) = &self.stage_error {
+            format!(
+                "Nothing can be drawn here:\n{reason}\n\nEverything else works; `relievo render` may, too."
+            )
+        } else if self.document.project().layers.is_empty() {
+            "Open a project (Ctrl+O), or drop raster files here".to_owned()
+        } else {
+            return;
+        };
+        let painter = ui.painter_at(rect);
+        let font = FontId::proportional(16.0);
+        let galley = painter.layout(
+            text,
+            font,
+            Color32::from_gray(235),
+            (rect.width() - 80.0).max(100.0),
+        );
+        let area =
+            Align2::CENTER_CENTER.align_size_within_rect(galley.size() + vec2(32.0, 20.0), rect);
+        painter.rect_filled(area, CornerRadius::same(8), theme::OVERLAY);
+        painter.galley(area.min + vec2(16.0, 10.0), galley, Color32::WHITE);
+    }
+}
+
+/// A point of the screen as −1 to 1, right and up.
+fn ndc(rect: Rect, at: Pos2) -> DVec2 {
+    let from_centre = (at - rect.center()) / (rect.size() * 0.5);
+    DVec2::new(f64::from(from_centre.x), -f64::from(from_centre.y))
+}
+
+/// Whether the next frame differs from this one without anything new.
+fn is_changing(frame: &Frame) -> bool {
+    let levels = [&frame.heights, &frame.colours, &frame.normals];
+    !frame.uploads.is_empty() || levels.into_iter().flatten().any(|l| l.view.fade < 1.0)
+}
+
+/// What the keys ask of the flying camera. With Ctrl or Alt they mean commands.
+fn keys(ui: &Ui) -> FlyInput {
+    ui.input(|i| {
+        if i.modifiers.command || i.modifiers.alt {
+            return FlyInput::default();
+        }
+        let axis = |plus: Key, minus: Key| {
+            f64::from(u8::from(i.key_down(plus))) - f64::from(u8::from(i.key_down(minus)))
+        };
+        FlyInput {
+            right: axis(Key::D, Key::A),
+            forward: axis(Key::W, Key::S),
+            up: axis(Key::E, Key::Q),
+            boost: if i.modifiers.shift { FASTER } else { 1.0 },
+        }
+    })
+}

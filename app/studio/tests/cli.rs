@@ -1,0 +1,466 @@
+//! The command line as scripts see it: exit codes, results, one line about what is wrong.
+
+use std::path::{Path, PathBuf};
+
+use relievo_engine::raster::Cancel;
+use serde_json::Value;
+
+/// What a run of the program gives.
+struct Run {
+    code: u8,
+    out: String,
+    err: String,
+}
+
+impl Run {
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.out)
+            .unwrap_or_else(|e| panic!("expected JSON, found {e}: {}", self.out))
+    }
+}
+
+fn relievo(arguments: &[&str]) -> Run {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let all = ["relievo"].iter().chain(arguments).copied();
+    let code = relievo::cli::run(all, &mut out, &mut err, &Cancel::default());
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    Run {
+        code,
+        out: text(out),
+        err: text(err),
+    }
+}
+
+/// A run that must succeed.
+fn good(arguments: &[&str]) -> Run {
+    let run = relievo(arguments);
+    assert_eq!((run.code, run.err.as_str()), (0, ""), "{arguments:?}");
+    run
+}
+
+/// The line of a run that must be refused as bad input.
+fn refused(arguments: &[&str]) -> String {
+    let run = relievo(arguments);
+    assert_eq!(run.code, 2, "{arguments:?}: {}", run.err);
+    assert!(
+        run.err.starts_with("relievo: ") && run.err.ends_with('\n'),
+        "{}",
+        run.err
+    );
+    assert_eq!(run.err.lines().count(), 1, "one line: {}", run.err);
+    run.err
+}
+
+fn sample_file(name: &str) -> String {
+    let projects = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects");
+    projects.join(name).to_str().unwrap().to_owned()
+}
+
+fn text_file(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+fn in_folder(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().unwrap().to_owned()
+}
+
+const NOISE: &str = r##"{"version": 1, "layers": [
+    {"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 900.0, "wavelength_m": 500000.0, "octaves": 6},
+    {"id": "tint", "name": "Tint", "kind": "tint",
+     "stops": [{"height_m": -500.0, "colour": "#102030"}, {"height_m": 500.0, "colour": "#f0e0d0"}]}]}"##;
+
+#[test]
+fn a_project_made_from_a_file_is_checked_sampled_edited_and_described() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = in_folder(folder.path(), "new.relievo");
+    good(&[
+        "new",
+        &project,
+        "--source",
+        &sample_file("data/wasatch-dem.tif"),
+        &sample_file("data/provo-aerial.tif"),
+    ]);
+    assert_eq!(
+        good(&["check", &project, "--json"]).json(),
+        Value::Array(vec![])
+    );
+    let info = good(&["info", &project, "--json"]).json();
+    assert_eq!(info["layers"][0]["kind"], "height");
+    assert_eq!(info["layers"][1]["kind"], "imagery");
+    let camera_lon = info["camera"]["lon_deg"].as_f64().unwrap();
+    assert!(
+        (-113.0..-110.0).contains(&camera_lon),
+        "the camera looks at the data: {camera_lon}"
+    );
+
+    let lines = good(&[
+        "sample",
+        &project,
+        "--at",
+        "-111.65,40.25",
+        "--at",
+        "-111.6,40.3",
+    ])
+    .out;
+    let places: Vec<Value> = lines
+        .lines()
+        .map(|l| serde_json::from_str(l).unwrap())
+        .collect();
+    assert_eq!(places.len(), 2);
+    assert!(
+        (1200.0..3500.0).contains(&places[0]["height_m"].as_f64().unwrap()),
+        "{}",
+        places[0]
+    );
+
+    let edits = text_file(
+        folder.path(),
+        "edits.json",
+        r#"[{"edit": "set_exaggeration", "vertical_exaggeration": 2.5}]"#,
+    );
+    let edited = in_folder(folder.path(), "edited.relievo");
+    good(&["apply", &project, &edits, "-o", &edited]);
+    assert_eq!(
+        good(&["info", &edited, "--json"]).json()["planet"]["vertical_exaggeration"],
+        2.5
+    );
+    let moved = good(&["sample", &edited, "--at", "-111.65,40.25"]).json();
+    assert_eq!(
+        moved["height_m"], places[0]["height_m"],
+        "measurements are not exaggerated"
+    );
+}
+
+#[test]
+fn a_new_project_replaces_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = text_file(folder.path(), "mine.relievo", NOISE);
+    let line = refused(&[
+        "new",
+        &project,
+        "--source",
+        &sample_file("data/wasatch-dem.tif"),
+    ]);
+    assert!(
+        line.contains("exists") && line.contains("mine.relievo"),
+        "{line}"
+    );
+    assert_eq!(std::fs::read_to_string(project).unwrap(), NOISE);
+}
+
+#[test]
+fn edits_take_effect_all_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = text_file(folder.path(), "p.relievo", NOISE);
+    let edits = text_file(
+        folder.path(),
+        "edits.json",
+        r#"[{"edit": "set_visible", "id": "hills", "visible": false}, {"edit": "remove_layer", "id": "nobody"}]"#,
+    );
+    let output = in_folder(folder.path(), "out.relievo");
+    let line = refused(&["apply", &project, &edits, "-o", &output]);
+    assert!(
+        line.contains("edit 1") && line.contains("nobody") && line.contains("edits.json"),
+        "{line}"
+    );
+    assert!(!Path::new(&output).exists());
+}
+
+#[test]
+fn the_schema_is_json_and_describes_edits() {
+    let schema = good(&["schema"]).json();
+    assert!(schema["$defs"]["edits"].is_object());
+}
+
+#[test]
+fn a_baked_region_has_the_samples_that_sample_gives() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = text_file(folder.path(), "p.relievo", NOISE);
+    let out = in_folder(folder.path(), "heights.tif");
+    let arguments = [
+        "bake",
+        &project,
+        "-o",
+        &out,
+        "--output",
+        "height",
+        "--bounds",
+        "-10,40,-9,41",
+        "--resolution",
+        "0.05",
+    ];
+    good(&arguments);
+    let info = good(&["info", &out, "--json"]).json();
+    assert_eq!(
+        (&info["width"], &info["height"]),
+        (&Value::from(20), &Value::from(20))
+    );
+    assert_eq!(info["read_as"], "heights");
+    assert!((info["extent"]["west"].as_f64().unwrap() + 10.0).abs() < 1e-9);
+    let first = std::fs::read(&out).unwrap();
+    good(&[&arguments[..], &["--threads", "3"]].concat());
+    assert_eq!(
+        std::fs::read(&out).unwrap(),
+        first,
+        "the same bytes for any number of threads"
+    );
+}
+
+#[test]
+fn check_tells_every_problem_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = text_file(
+        folder.path(),
+        "p.relievo",
+        r##"{"version": 1, "colour": "blue", "layers": [
+            {"id": "a", "name": "A", "kind": "imagery", "path": "missing.tif"},
+            {"id": "b", "name": "B", "kind": "hologram"},
+            {"id": "c", "name": "C", "kind": "tint", "opacty": 0.5, "stops": [{"height_m": 0.0, "colour": "#112233"}]}
+        ]}"##,
+    );
+    let run = relievo(&["check", &project, "--json"]);
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("found 1"), "{}", run.err);
+    let problems = run.json();
+    let places: Vec<&str> = problems
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| p["place"].as_str().unwrap())
+        .collect();
+    for place in [
+        "/colour",
+        "/layers/0/path",
+        "/layers/1/kind",
+        "/layers/2/opacty",
+        "/layers/2",
+    ] {
+        assert!(places.contains(&place), "{place} in {places:?}");
+    }
+    assert!(
+        problems
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|p| !p["mend"].as_str().unwrap().is_empty())
+    );
+    assert!(relievo(&["check", &project]).out.contains("to mend it"));
+}
+
+#[test]
+fn bad_input_is_refused_in_one_line_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = text_file(folder.path(), "text.tif", "this is no raster");
+    let damaged = text_file(
+        folder.path(),
+        "damaged.relievo",
+        "{\"version\": 1,\n \"layers\": [}",
+    );
+    let project = text_file(folder.path(), "p.relievo", NOISE);
+    let picture = in_folder(folder.path(), "p.png");
+    let raster = in_folder(folder.path(), "p.tif");
+    let cases: &[(&[&str], &str)] = &[
+        (&["info", "nowhere.tif"], "nowhere.tif"),
+        (&["info", &text], "text.tif"),
+        (&["info", &damaged], "line 2"),
+        (&["check", "nowhere.relievo"], "nowhere.relievo"),
+        (&["sample", &project, "--at", "200"], "LON,LAT"),
+        (&["sample", &project, "--at", "0,95"], "latitude"),
+        (&["sample", &project], "--at"),
+        (&["render", &project, "-o", "picture.bmp"], ".png"),
+        (
+            &["render", &project, "-o", &picture, "--size", "0x5"],
+            "WxH",
+        ),
+        (
+            &["render", &project, "-o", &picture, "--camera", "1,2"],
+            "fields",
+        ),
+        (&["render", &project, "-o", &picture, "--fov", "200"], "170"),
+        (
+            &["render", &project, "-o", &picture, "--front-end", "crystal"],
+            "clipmap",
+        ),
+        (
+            &[
+                "bake",
+                &project,
+                "-o",
+                &raster,
+                "--output",
+                "height",
+                "--bounds",
+                "1,2,3",
+                "--resolution",
+                "1",
+            ],
+            "W,S,E,N",
+        ),
+        (
+            &[
+                "bake",
+                &project,
+                "-o",
+                &raster,
+                "--output",
+                "height",
+                "--bounds",
+                "0,5,1,4",
+                "--resolution",
+                "1",
+            ],
+            "N beyond S",
+        ),
+        (
+            &[
+                "bake",
+                &project,
+                "-o",
+                &raster,
+                "--output",
+                "height",
+                "--bounds",
+                "0,4,1,5",
+                "--resolution",
+                "-1",
+            ],
+            "positive",
+        ),
+        (
+            &[
+                "bake",
+                &project,
+                "-o",
+                &raster,
+                "--output",
+                "height",
+                "--bounds",
+                "0,4,1,5",
+                "--resolution",
+                "1",
+                "--crs",
+                "EPSG:1",
+            ],
+            "EPSG:1",
+        ),
+        (
+            &["apply", &project, &damaged, "-o", &picture],
+            "damaged.relievo",
+        ),
+        (&["new", &picture, "--source", &text], "text.tif"),
+        (&["--threads", "0", "schema"], "threads"),
+        (&["schema", "--nonsense"], "--nonsense"),
+        (&["p.relievo", "schema"], "found both"),
+        (&["nowhere.relievo"], "nowhere.relievo"),
+    ];
+    for (arguments, part) in cases {
+        let line = refused(arguments);
+        assert!(
+            line.contains(part),
+            "{arguments:?}: expected {part:?} in {line}"
+        );
+    }
+    assert!(!PathBuf::from(&raster).exists() && !PathBuf::from(&picture).exists());
+}
+
+#[test]
+fn a_missing_file_of_a_visible_layer_is_bad_input_and_of_a_hidden_one_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |visible: bool| {
+        format!(
+            r#"{{"version": 1, "layers": [{{"id": "gone", "name": "Gone", "kind": "imagery", "visible": {visible},
+                "path": "gone.tif"}}]}}"#
+        )
+    };
+    let shown = text_file(folder.path(), "shown.relievo", &with(true));
+    let line = refused(&["sample", &shown, "--at", "1,2"]);
+    assert!(line.contains("gone.tif"), "{line}");
+    let hidden = text_file(folder.path(), "hidden.relievo", &with(false));
+    assert_eq!(
+        good(&["sample", &hidden, "--at", "1,2"]).json()["height_m"],
+        0.0
+    );
+}
+
+#[test]
+fn help_tells_every_option_with_its_unit_and_default() {
+    let help = good(&["help", "render"]).out;
+    for part in [
+        "--size <WxH>",
+        "pixels",
+        "[default: 1280x960]",
+        "degrees",
+        "metres",
+        "milliseconds",
+        "--threads",
+    ] {
+        assert!(help.contains(part), "{part} in {help}");
+    }
+    let all = good(&["--help"]).out;
+    for command in [
+        "render", "bake", "sample", "info", "check", "new", "apply", "schema",
+    ] {
+        assert!(all.contains(command), "{command} in {all}");
+        assert!(!good(&["help", command]).out.is_empty());
+    }
+    assert!(good(&["--version"]).out.starts_with("relievo "));
+}
+
+#[test]
+fn an_asked_for_end_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = text_file(folder.path(), "p.relievo", NOISE);
+    let out = in_folder(folder.path(), "heights.tif");
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let (mut output, mut err) = (Vec::new(), Vec::new());
+    let arguments = [
+        "relievo",
+        "bake",
+        &project,
+        "-o",
+        &out,
+        "--output",
+        "height",
+        "--bounds",
+        "0,0,9,9",
+        "--resolution",
+        "0.01",
+    ];
+    assert_eq!(
+        relievo::cli::run(arguments, &mut output, &mut err, &cancel),
+        130
+    );
+    let left: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    assert_eq!(left, ["p.relievo"]);
+}
+
+/// A reader that went away.
+struct Gone;
+
+impl std::io::Write for Gone {
+    fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+        Err(std::io::ErrorKind::BrokenPipe.into())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let mut err = Vec::new();
+    let code = relievo::cli::run(
+        ["relievo", "schema"],
+        &mut Gone,
+        &mut err,
+        &Cancel::default(),
+    );
+    assert_eq!((code, err.len()), (0, 0));
+}

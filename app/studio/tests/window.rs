@@ -1,0 +1,421 @@
+//! The window as people use it, without a GPU: what clicks, keys and drags do to the project.
+
+use std::path::PathBuf;
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Event, Key, Modifiers, Pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use relievo::window::{Studio, StudioOptions};
+use relievo_engine::project::{Layer, LayerKind};
+
+const PROJECT: &str = r##"{"version": 1, "layers": [
+    {"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 900.0, "wavelength_m": 500000.0, "octaves": 3},
+    {"id": "low", "name": "Low tint", "kind": "tint", "stops": [{"height_m": 0.0, "colour": "#102030"}]},
+    {"id": "high", "name": "High tint", "kind": "tint", "stops": [{"height_m": 0.0, "colour": "#f0e0d0"}]}]}"##;
+
+/// A window on a project in a folder of its own.
+struct Window {
+    harness: Harness<'static, Studio>,
+    file: PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+impl Window {
+    fn open(text: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("sample.relievo");
+        std::fs::write(&file, text).unwrap();
+        let mut studio = Studio::new(StudioOptions {
+            threads: Some(1),
+            cache_folder: None,
+        })
+        .unwrap();
+        studio.open_project(&file).unwrap();
+        let harness = Harness::builder()
+            .with_size(vec2(1200.0, 800.0))
+            .build_eframe(|cc| {
+                studio.attach(cc);
+                studio
+            });
+        let mut window = Self {
+            harness,
+            file,
+            _folder: folder,
+        };
+        window.harness.run_steps(3);
+        window
+    }
+
+    fn steps(&mut self) {
+        self.harness.run_steps(3);
+    }
+
+    fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.steps();
+    }
+
+    fn layers(&self) -> &[Layer] {
+        &self.harness.state().document().project().layers
+    }
+
+    fn order(&self) -> Vec<&str> {
+        self.layers().iter().map(|l| l.id.0.as_str()).collect()
+    }
+
+    fn brightness(&self, id: &str) -> f64 {
+        match &self.layers().iter().find(|l| l.id.0 == id).unwrap().kind {
+            LayerKind::Tint(tint) => tint.adjust.brightness,
+            _ => panic!("a tint"),
+        }
+    }
+
+    fn undo_label(&self) -> Option<String> {
+        self.harness
+            .state()
+            .document()
+            .engine()
+            .history()
+            .undo_label()
+            .map(str::to_owned)
+    }
+
+    /// Drags with the main button in a few steps.
+    fn drag(&mut self, from: Pos2, to: Pos2) {
+        self.harness.hover_at(from);
+        self.harness.run_steps(1);
+        self.harness.drag_at(from);
+        self.harness.run_steps(1);
+        for i in 1..=4 {
+            self.harness.hover_at(from + (to - from) * (i as f32 / 4.0));
+            self.harness.run_steps(1);
+        }
+        self.harness.drop_at(to);
+        self.steps();
+    }
+}
+
+#[test]
+fn the_eye_hides_and_shows_a_layer() {
+    let mut window = Window::open(PROJECT);
+    window
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "Show Hills")
+        .click();
+    window.steps();
+    assert!(!window.layers()[0].visible);
+    assert!(window.harness.state().document().is_changed());
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert!(window.layers()[0].visible);
+    assert!(
+        !window.harness.state().document().is_changed(),
+        "undone is as saved"
+    );
+}
+
+#[test]
+fn a_whole_drag_of_a_slider_is_one_undo_step() {
+    let mut window = Window::open(PROJECT);
+    let slider = window
+        .harness
+        .get_by_role_and_label(Role::Slider, "Brightness")
+        .rect();
+    let from = Pos2::new(slider.left() + 60.0, slider.center().y);
+    window.drag(from, from + vec2(40.0, 0.0));
+    assert!(window.brightness("high") != 0.0);
+    assert!(window.undo_label().is_some());
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.brightness("high"), 0.0);
+    assert_eq!(window.undo_label(), None, "one step, not one a frame");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert!(window.brightness("high") != 0.0);
+}
+
+#[test]
+fn escape_takes_a_drag_back() {
+    let mut window = Window::open(PROJECT);
+    let slider = window
+        .harness
+        .get_by_role_and_label(Role::Slider, "Brightness")
+        .rect();
+    let from = Pos2::new(slider.left() + 60.0, slider.center().y);
+    window.harness.hover_at(from);
+    window.harness.drag_at(from);
+    window.harness.run_steps(1);
+    window.harness.hover_at(from + vec2(30.0, 0.0));
+    window.harness.run_steps(2);
+    assert!(window.brightness("high") != 0.0);
+    window.press(Modifiers::NONE, Key::Escape);
+    window.harness.hover_at(from + vec2(50.0, 0.0));
+    window.harness.run_steps(2);
+    assert_eq!(window.brightness("high"), 0.0);
+    window.harness.drop_at(from + vec2(50.0, 0.0));
+    window.steps();
+    assert_eq!(
+        (window.brightness("high"), window.undo_label()),
+        (0.0, None)
+    );
+}
+
+#[test]
+fn a_double_click_on_its_name_resets_a_value() {
+    let mut window = Window::open(PROJECT);
+    window
+        .harness
+        .get_by_role_and_label(Role::Slider, "Brightness")
+        .set_value_accesskit(0.5);
+    window.steps();
+    assert_eq!(window.brightness("high"), 0.5);
+    let at = window
+        .harness
+        .get_by_role_and_label(Role::Label, "Brightness")
+        .rect()
+        .center();
+    for _ in 0..2 {
+        window.harness.hover_at(at);
+        window.harness.drag_at(at);
+        window.harness.drop_at(at);
+    }
+    window.steps();
+    assert_eq!(window.brightness("high"), 0.0);
+}
+
+#[test]
+fn alt_and_arrows_reorder_layers() {
+    let mut window = Window::open(PROJECT);
+    assert_eq!(
+        window.harness.state().selected().unwrap().0,
+        "high",
+        "the top layer is selected first"
+    );
+    window.press(Modifiers::ALT, Key::ArrowDown);
+    assert_eq!(window.order(), ["hills", "high", "low"]);
+    window.press(Modifiers::ALT, Key::ArrowDown);
+    window.press(Modifiers::ALT, Key::ArrowDown);
+    assert_eq!(
+        window.order(),
+        ["high", "hills", "low"],
+        "the lowest stays lowest"
+    );
+    window.press(Modifiers::ALT, Key::ArrowUp);
+    assert_eq!(window.order(), ["hills", "high", "low"]);
+}
+
+#[test]
+fn a_row_that_is_dragged_over_another_takes_its_place() {
+    let mut window = Window::open(PROJECT);
+    let row = |window: &Window, name: &str| {
+        window
+            .harness
+            .get_by_role_and_label(Role::ListBoxOption, name)
+            .rect()
+    };
+    let from = row(&window, "High tint");
+    let to = row(&window, "Hills");
+    let grip = Pos2::new(from.left() + 80.0, from.center().y);
+    window.drag(grip, Pos2::new(grip.x, to.bottom() - 4.0));
+    assert_eq!(window.order(), ["high", "hills", "low"]);
+}
+
+#[test]
+fn a_click_selects_and_delete_removes() {
+    let mut window = Window::open(PROJECT);
+    window
+        .harness
+        .get_by_role_and_label(Role::ListBoxOption, "Low tint")
+        .click();
+    window.steps();
+    assert_eq!(window.harness.state().selected().unwrap().0, "low");
+    window.press(Modifiers::NONE, Key::Delete);
+    assert_eq!(window.order(), ["hills", "high"]);
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.order(), ["hills", "low", "high"]);
+}
+
+#[test]
+fn a_locked_layer_is_left_alone() {
+    let mut window = Window::open(&PROJECT.replacen(
+        "\"id\": \"high\"",
+        "\"locked\": true, \"id\": \"high\"",
+        1,
+    ));
+    window.press(Modifiers::NONE, Key::Delete);
+    window.press(Modifiers::ALT, Key::ArrowDown);
+    window
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "Show High tint")
+        .click();
+    window.steps();
+    assert_eq!(window.order(), ["hills", "low", "high"]);
+    assert!(window.layers()[2].visible);
+    assert!(!window.harness.state().document().is_changed());
+}
+
+#[test]
+fn typing_a_name_does_not_fly_or_delete() {
+    let mut window = Window::open(PROJECT);
+    let before = *window.harness.state().camera();
+    window
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Name")
+        .focus();
+    window.steps();
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.harness.key_down(Key::W);
+    window
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Name")
+        .type_text("Snow");
+    window.harness.key_press(Key::Delete);
+    window.steps();
+    window.harness.key_up(Key::W);
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.layers()[2].name, "Snow");
+    assert_eq!(*window.harness.state().camera(), before);
+}
+
+#[test]
+fn dragging_the_view_moves_the_camera_but_is_no_edit() {
+    let mut window = Window::open(PROJECT);
+    let before = *window.harness.state().camera();
+    let centre = window
+        .harness
+        .get_by_label("View of the planet")
+        .rect()
+        .center();
+    window.drag(centre, centre + vec2(60.0, 20.0));
+    let after = *window.harness.state().camera();
+    assert!(
+        after.lon_rad < before.lon_rad && after.lat_rad > before.lat_rad,
+        "{after:?}"
+    );
+    assert!(!window.harness.state().document().is_changed());
+    assert_eq!(window.undo_label(), None);
+    window.press(Modifiers::COMMAND, Key::S);
+    let saved = relievo_engine::project::open(&window.file)
+        .unwrap()
+        .0
+        .camera
+        .to_camera();
+    assert!(
+        (saved.lon_rad - after.lon_rad).abs() < 1e-12,
+        "the camera is saved with the project"
+    );
+}
+
+#[test]
+fn keys_fly_and_the_wheel_zooms() {
+    let mut window = Window::open(PROJECT);
+    let start = *window.harness.state().camera();
+    window.harness.key_down(Key::W);
+    window.harness.run_steps(5);
+    window.harness.key_up(Key::W);
+    let flown = *window.harness.state().camera();
+    assert!(flown.lat_rad > start.lat_rad);
+    let centre = window
+        .harness
+        .get_by_label("View of the planet")
+        .rect()
+        .center();
+    window.harness.hover_at(centre);
+    let wheel = Event::MouseWheel {
+        unit: eframe::egui::MouseWheelUnit::Line,
+        delta: vec2(0.0, 3.0),
+        phase: eframe::egui::TouchPhase::Move,
+        source: eframe::egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    };
+    window.harness.event(wheel);
+    window.harness.run_steps(10);
+    assert!(window.harness.state().camera().altitude_m < 0.9 * flown.altitude_m);
+}
+
+#[test]
+fn saving_writes_what_is_shown_and_clears_the_mark() {
+    let mut window = Window::open(PROJECT);
+    window.press(Modifiers::COMMAND, Key::H);
+    assert!(window.harness.state().document().is_changed());
+    window.press(Modifiers::COMMAND, Key::S);
+    assert!(!window.harness.state().document().is_changed());
+    let saved = relievo_engine::project::open(&window.file).unwrap().0;
+    assert!(!saved.layers[2].visible);
+}
+
+#[test]
+fn a_file_that_another_program_changed_is_not_overwritten_without_asking() {
+    let mut window = Window::open(PROJECT);
+    let theirs = PROJECT.replacen("Hills", "Mountains", 1);
+    std::fs::write(&window.file, &theirs).unwrap();
+    window.press(Modifiers::COMMAND, Key::H);
+    window.press(Modifiers::COMMAND, Key::S);
+    assert_eq!(std::fs::read_to_string(&window.file).unwrap(), theirs);
+    window
+        .harness
+        .get_by_role_and_label(Role::Button, "Reload")
+        .click();
+    window.steps();
+    assert_eq!(window.layers()[0].name, "Mountains");
+}
+
+#[test]
+fn unsaved_changes_are_asked_about_before_another_project_is_started() {
+    let mut window = Window::open(PROJECT);
+    window.press(Modifiers::COMMAND, Key::H);
+    window.press(Modifiers::COMMAND, Key::N);
+    window
+        .harness
+        .get_by_role_and_label(Role::Button, "Cancel")
+        .click();
+    window.steps();
+    assert_eq!(window.layers().len(), 3);
+    window.press(Modifiers::COMMAND, Key::N);
+    window
+        .harness
+        .get_by_role_and_label(Role::Button, "Save")
+        .click();
+    window.steps();
+    assert!(window.layers().is_empty());
+    assert!(
+        !relievo_engine::project::open(&window.file)
+            .unwrap()
+            .0
+            .layers[2]
+            .visible
+    );
+}
+
+#[test]
+fn menus_help_and_the_scene_page_open_without_complaints() {
+    let mut window = Window::open(PROJECT);
+    window.harness.get_by_label("Scene").click();
+    window.steps();
+    window
+        .harness
+        .get_by_role_and_label(Role::Slider, "Azimuth")
+        .set_value_accesskit(90.0);
+    window.steps();
+    assert_eq!(
+        window.harness.state().document().project().sun.azimuth_deg,
+        90.0
+    );
+    window.press(Modifiers::NONE, Key::F1);
+    window
+        .harness
+        .get_by_role_and_label(Role::Button, "Close")
+        .click();
+    window.steps();
+    window.press(Modifiers::COMMAND, Key::G);
+    window
+        .harness
+        .get_by_role_and_label(Role::Button, "Go")
+        .click();
+    window.steps();
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::M);
+    window.harness.get_by_label("Messages");
+    window.harness.get_by_label("File").click();
+    window.steps();
+    window.harness.get_by_label_contains("Save as");
+}
