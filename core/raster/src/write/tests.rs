@@ -170,6 +170,20 @@ fn a_failed_or_cancelled_write_leaves_what_was_there() {
     let result = write_cog(&path, &layout, &mut fails, &mut |_| (), &cancel);
     assert!(matches!(result, Err(WriteError::Cancelled)));
     assert_eq!(std::fs::read(&path).expect("there"), b"old");
+    // Neither a folder that is not there nor a device that takes no neighbour.
+    for path in [
+        folder.path().join("missing/new.tif"),
+        "/dev/null/new.tif".into(),
+    ] {
+        let mut flat = |rect: PixelRect, out: &mut Block| -> Result<(), Failure> {
+            out.reshape(Bands::Height, rect.width as usize, rect.height as usize);
+            Ok(())
+        };
+        let error = write_cog(&path, &layout, &mut flat, &mut |_| (), &Cancel::default())
+            .expect_err("no place to write");
+        assert!(error.to_string().contains("new.tif"), "{error}");
+        assert!(!path.exists());
+    }
     assert_eq!(
         std::fs::read_dir(folder.path()).expect("there").count(),
         1,
