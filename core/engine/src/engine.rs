@@ -625,11 +625,11 @@ fn named(scene: &Scene, kind: PlanKind, key: TileKey) -> impl Iterator<Item = (C
 }
 
 /// Density of a body's air at the datum relative to Earth's. Mars has 1.6 % of Earth's, but its dust
-/// makes the sky as bright as five times as much clear air would.
+/// makes the sky twice as bright as so much clear air would.
 fn air(body: Body) -> f32 {
     match body {
         Body::Earth | Body::Custom(_) => 1.0,
-        Body::Mars => 0.08,
+        Body::Mars => 0.03,
         Body::Moon => 0.0,
     }
 }
