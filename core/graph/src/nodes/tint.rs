@@ -82,12 +82,24 @@ impl Interval {
         self.per_m == 0.0 || height_m == self.start_m
     }
 
-    /// Premultiplied linear light and alpha at a height that is not NaN.
+    /// How far a height is on the way to the stop above, at most 1.
+    #[inline]
+    fn part(&self, height_m: f32) -> f32 {
+        let part = (height_m - self.start_m) * self.per_m;
+        if part < 1.0 { part } else { 1.0 }
+    }
+
+    /// A channel of premultiplied linear light, or alpha, part of the way to the stop above.
+    #[inline]
+    fn channel(&self, channel: usize, part: f32) -> f32 {
+        self.linear[channel] + part * self.change[channel]
+    }
+
+    /// All channels at a height that is not NaN.
     #[inline]
     fn mixed(&self, height_m: f32) -> [f32; 4] {
-        let part = (height_m - self.start_m) * self.per_m;
-        let part = if part < 1.0 { part } else { 1.0 };
-        core::array::from_fn(|c| self.linear[c] + part * self.change[c])
+        let part = self.part(height_m);
+        core::array::from_fn(|c| self.channel(c, part))
     }
 }
 
@@ -180,19 +192,23 @@ impl Tint {
 
     /// [`Self::colour`] of some samples, the same bits.
     fn colours(&self, light: &Light, height_m: &Lanes, out: &mut [Lanes; 4]) {
-        let at = self.find(height_m);
-        let first = &self.intervals[at[0] as usize];
         let mut exact = [false; LANES];
-        if at.iter().all(|i| *i == at[0]) {
-            // As nearly everywhere: terrain does not jump.
-            for (l, h) in height_m.iter().enumerate() {
-                exact[l] = first.is_exact(*h) || h.is_nan();
-                let mixed = first.mixed(*h);
-                for (plane, v) in out.iter_mut().zip(mixed) {
-                    plane[l] = v;
+        let mut at = [0_u32; LANES];
+        if let Some(only) = self.find_one(height_m) {
+            // As nearly everywhere: terrain does not jump. Plane by plane it runs on vectors.
+            let interval = &self.intervals[only];
+            at = [only as u32; LANES];
+            let part = height_m.map(|h| interval.part(h));
+            for (c, plane) in out.iter_mut().enumerate() {
+                for (v, part) in plane.iter_mut().zip(&part) {
+                    *v = interval.channel(c, *part);
                 }
             }
+            for (exact, h) in exact.iter_mut().zip(height_m) {
+                *exact = interval.is_exact(*h);
+            }
         } else {
+            self.find(height_m, &mut at);
             for (l, h) in height_m.iter().enumerate() {
                 let interval = &self.intervals[at[l] as usize];
                 exact[l] = interval.is_exact(*h) || h.is_nan();
@@ -238,9 +254,23 @@ impl Tint {
         }
     }
 
-    /// Intervals in which heights lie.
-    fn find(&self, height_m: &Lanes) -> [u32; LANES] {
-        let mut at = [0_u32; LANES];
+    /// The interval in which all heights lie, if it is one.
+    fn find_one(&self, height_m: &Lanes) -> Option<usize> {
+        let at = self.heights_m.partition_point(|stop| *stop <= height_m[0]);
+        let low = at
+            .checked_sub(1)
+            .map_or(f32::NEG_INFINITY, |below| self.heights_m[below]);
+        let high = self.heights_m.get(at).copied();
+        // Not short-circuited: one comparison of vectors after the other.
+        let outside = height_m.iter().fold(0_u32, |outside, h| {
+            let inside = *h >= low && high.is_none_or(|high| *h < high);
+            outside | u32::from(!inside)
+        });
+        (outside == 0).then_some(at)
+    }
+
+    /// Intervals in which heights lie; NaN lies in the first.
+    fn find(&self, height_m: &Lanes, at: &mut [u32; LANES]) {
         if self.heights_m.len() <= FEW {
             for stop in &self.heights_m {
                 for (i, h) in at.iter_mut().zip(height_m) {
@@ -252,7 +282,6 @@ impl Tint {
                 *i = self.heights_m.partition_point(|stop| stop <= h) as u32;
             }
         }
-        at
     }
 }
 
@@ -371,7 +400,7 @@ mod tests {
         #[test]
         fn many_samples_agree_with_single_ones_to_the_bit(
             steps in prop::collection::vec((0.001..200.0_f32, prop::array::uniform4(0.0..1.0_f32), 0..4_u8), 1..30), smooth: bool,
-            seed in prop::collection::vec((0.0..1.0_f32, 0..8_u8), LANES),
+            seed in prop::collection::vec((0.0..1.0_f32, 0..8_u8), LANES), near: bool,
         ) {
             let mut height_m = -100.0;
             let stops: Vec<Stop> = steps.iter().map(|(step, rgba, alpha)| {
@@ -381,6 +410,8 @@ mod tests {
             }).collect();
             let tint = Tint::new(&stops, smooth).unwrap();
             let heights: Lanes = core::array::from_fn(|l| match seed[l] {
+                // Near one another, so that they lie in one interval or two.
+                (v, _) if near => height_m - 100.0 + v * 0.5,
                 (_, 0) => f32::NAN,
                 (v, 1) => stops[(v * stops.len() as f32) as usize % stops.len()].height_m,
                 (_, 2) => f32::INFINITY,
