@@ -104,7 +104,9 @@ fn native_options() -> eframe::NativeOptions {
 
 /// What a failure to open a window means, in one line.
 fn no_window(error: &eframe::Error) -> String {
+    // What comes before the last colon are places in the source of libraries.
     let text = error.to_string();
+    let text = text.rsplit(": ").next().unwrap_or(&text);
     let hint = if matches!(error, eframe::Error::Wgpu(_)) {
         "; install a graphics driver (on Debian libvulkan1 and mesa-vulkan-drivers), or use `relievo render`"
     } else {

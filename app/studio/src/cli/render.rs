@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use relievo_engine::planet::Camera;
 use relievo_engine::planet::camera::CameraError;
-use relievo_engine::{Engine, Frame, Severity, View};
+use relievo_engine::{ClipKind, Engine, Frame, Severity, View};
 use relievo_gpu::{FrameStats, Gpu, GpuError, Renderer};
 
 use super::progress::Progress;
@@ -60,9 +60,6 @@ enum FrontEnd {
 
 /// How many frames may pass without a settled plan once nothing is missing.
 const MOST_SETTLING_FRAMES: u32 = 200;
-
-/// With more tiles to come than this, some are awaited together.
-const MANY_PENDING: usize = 8;
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
     let FrontEnd::Clipmap = arguments.front_end;
@@ -141,12 +138,6 @@ struct Still {
     frame: Frame,
     /// What the last drawn frame cost.
     drawn: FrameStats,
-    /// Pieces of tiles sent to the device.
-    uploads: u64,
-    /// Their bytes.
-    uploaded_bytes: u64,
-    /// Frames drawn on the way.
-    frames: u64,
     /// Whether nothing is missing.
     converged: bool,
 }
@@ -164,13 +155,14 @@ impl Still {
         let started = Instant::now();
         let progress = Progress::new("making tiles");
         engine.set_view(view);
-        let (mut uploads, mut uploaded_bytes, mut frames, mut most_pending) = (0, 0, 0, 1);
+        // Nobody sees a still before it is done: what comes is kept for the one frame that is drawn.
+        let (mut held, mut most_pending) = (Vec::new(), 1);
         let mut settling = 0;
         loop {
             if context.cancel.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
-            let Some(frame) = engine.drain(f32::INFINITY) else {
+            let Some(mut frame) = engine.drain(f32::INFINITY) else {
                 return Err(Failure::System("the view was not taken".to_owned()));
             };
             let complete = frame.is_converged() && frame.uploads.is_empty();
@@ -179,8 +171,11 @@ impl Still {
             let over = limit.is_some_and(|l| started.elapsed() >= l);
             most_pending = most_pending.max(frame.pending);
             progress.set(1.0 - frame.pending as f64 / most_pending as f64);
-            let last = converged || over;
-            if !frame.uploads.is_empty() || last {
+            held.append(&mut frame.uploads);
+            if converged || over {
+                // Levels that an earlier plan had are gone.
+                held.retain(|upload| (upload.layer as usize) < levels(&frame, upload.clipmap));
+                frame.uploads = held;
                 let mut encoder = gpu
                     .device
                     .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -188,30 +183,28 @@ impl Still {
                     .render(&frame, &mut encoder)
                     .map_err(Failure::system)?;
                 gpu.queue.submit([encoder.finish()]);
-                uploads += u64::from(drawn.uploads);
-                uploaded_bytes += drawn.uploaded_bytes;
-                frames += u64::from(!drawn.reused);
-                if last {
-                    return Ok(Self {
-                        renderer,
-                        frame,
-                        drawn,
-                        uploads,
-                        uploaded_bytes,
-                        frames,
-                        converged,
-                    });
-                }
+                frame.uploads.clear();
+                return Ok(Self {
+                    renderer,
+                    frame,
+                    drawn,
+                    converged,
+                });
             }
             if !complete {
                 let left = limit.map_or(Duration::MAX, |l| l.saturating_sub(started.elapsed()));
                 engine.wait(left.min(Duration::from_millis(100)));
-                if frame.pending > MANY_PENDING {
-                    // A frame for every few tiles would cost more than the tiles.
-                    std::thread::sleep(left.min(Duration::from_millis(50)));
-                }
             }
         }
+    }
+}
+
+/// Number of levels of a clipmap.
+fn levels(frame: &Frame, clipmap: ClipKind) -> usize {
+    match clipmap {
+        ClipKind::Height => frame.heights.len(),
+        ClipKind::Colour => frame.colours.len(),
+        ClipKind::Normal => frame.normals.len(),
     }
 }
 

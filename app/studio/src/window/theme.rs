@@ -1,6 +1,8 @@
 //! How the window looks: quiet, so that the terrain is what one sees.
 
-use eframe::egui::{Color32, Context, CornerRadius, Margin, Stroke, Theme, Visuals, vec2};
+use eframe::egui::{
+    Color32, Context, CornerRadius, FontId, Margin, Stroke, TextStyle, Theme, Visuals, vec2,
+};
 
 /// The colour of what is selected and active.
 const ACCENT_DARK: Color32 = Color32::from_rgb(46, 120, 150);
@@ -15,6 +17,9 @@ pub(crate) fn apply(ctx: &Context) {
             style.spacing.button_padding = vec2(8.0, 3.0);
             style.spacing.window_margin = Margin::same(14);
             style.spacing.menu_margin = Margin::same(6);
+            style
+                .text_styles
+                .insert(TextStyle::Small, FontId::proportional(10.5));
             style.visuals = visuals(theme);
         });
     }

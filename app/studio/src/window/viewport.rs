@@ -21,7 +21,7 @@ use super::theme;
 use crate::picture;
 
 /// Points that the wheel scrolls for one step of zoom.
-const POINTS_PER_STEP: f64 = 40.0;
+const POINTS_PER_STEP: f64 = 80.0;
 
 /// Longest time between frames that motion follows, seconds: after a pause nothing jumps.
 const LONGEST_FRAME_S: f32 = 0.1;

@@ -168,7 +168,19 @@ impl Camera {
                 ..above
             };
         };
-        // Along its sight the ground point stays in one world direction, which the moved camera
+        // Nearer or farther with the same heading and pitch, then moved around the planet until the
+        // point is under the pointer again: nothing turns, not even straight above the ground,
+        // where the heading of a sight is next to nothing.
+        let scaled = Self {
+            altitude_m: target_m(height_m * factor),
+            ..above
+        };
+        let (scaled_ray, radius_m) = (scaled.ray(ndc.x, ndc.y, aspect), planet.radius_m + ground_m);
+        if ray_sphere(scaled.eye(planet), scaled_ray, radius_m).is_some() {
+            return scaled.panned(planet, ground_m, eye + ray * distance_m, ndc, aspect);
+        }
+        // From out there the place of the pointer shows the sky; the camera has to tilt. Along its
+        // sight the ground point stays in one world direction, which the moved camera
         // then aims at. Rounding of a point metres below an eye 10⁷ m from the centre so plays no
         // part.
         let moved_m = |distance_m: f64, factor: f64| eye + ray * (distance_m * (1.0 - factor));
@@ -315,6 +327,18 @@ mod tests {
         let local = camera.local_frame().components(sight);
         let view = camera.view_ray(ndc, 1.5);
         libm::hypot(local.x, local.y) > view.x.abs() + 1e-9
+    }
+
+    #[test]
+    fn zooming_straight_down_beside_the_pointer_does_not_spin() {
+        let mut camera = Camera::from_degrees(20.0, 50.0, 2e5, 30.0, -90.0, 60.0).unwrap();
+        for _ in 0..30 {
+            camera = camera.zoomed(&Planet::EARTH, 0.0, DVec2::new(0.6, 0.4), 1.5, 1.0);
+            // Only meridians that converge turn it, a degree or so on the way there.
+            let turn = camera.heading_rad.to_degrees() - 30.0;
+            assert!(turn.abs() < 3.0, "turned by {turn}°");
+        }
+        assert!(camera.altitude_m < 300.0);
     }
 
     #[test]
