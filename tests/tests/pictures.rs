@@ -15,11 +15,17 @@ mod on_device {
     /// A converged picture of a sample project.
     fn picture(project: &str, camera: Camera, threads: usize) -> Picture {
         let path = workspace().join("projects").join(project);
-        let options =
-            EngineOptions { threads: Some(threads), cache_folder: None, ..EngineOptions::default() };
+        let options = EngineOptions {
+            threads: Some(threads),
+            cache_folder: None,
+            ..EngineOptions::default()
+        };
         let (mut engine, _) = Engine::open(&path, options).unwrap();
         let gpu = Gpu::headless().unwrap();
-        let quality = Quality { colour_window: 512, ..Quality::for_adapter(gpu.class) };
+        let quality = Quality {
+            colour_window: 512,
+            ..Quality::for_adapter(gpu.class)
+        };
         let mut renderer = Renderer::new(&gpu, wgpu::TextureFormat::Rgba8Unorm, quality).unwrap();
         engine.set_view(View {
             camera,
@@ -63,9 +69,17 @@ mod on_device {
 
     #[test]
     fn the_earth_is_blue_over_the_pacific_and_tan_over_the_sahara() {
-        let [r, _, b] = mean(&picture("earth.relievo", camera(-150.0, 5.0, 8e6, 0.0, -90.0), 1), 160, 120);
+        let [r, _, b] = mean(
+            &picture("earth.relievo", camera(-150.0, 5.0, 8e6, 0.0, -90.0), 1),
+            160,
+            120,
+        );
         assert!(b > r + 30, "the Pacific is blue: {r} {b}");
-        let [r, _, b] = mean(&picture("earth.relievo", camera(15.0, 22.0, 8e6, 0.0, -90.0), 1), 160, 120);
+        let [r, _, b] = mean(
+            &picture("earth.relievo", camera(15.0, 22.0, 8e6, 0.0, -90.0), 1),
+            160,
+            120,
+        );
         assert!(r > b + 10, "the Sahara is tan: {r} {b}");
     }
 
@@ -73,10 +87,16 @@ mod on_device {
     fn the_same_project_gives_the_same_bytes_for_any_number_of_threads() {
         for (project, view) in [
             ("earth.relievo", camera(-111.8, 40.1, 6000.0, 30.0, -12.0)),
-            ("synthetic.relievo", camera(10.0, 88.0, 400_000.0, 200.0, -40.0)),
+            (
+                "synthetic.relievo",
+                camera(10.0, 88.0, 400_000.0, 200.0, -40.0),
+            ),
         ] {
             let one = picture(project, view, 1);
-            assert!(one == picture(project, view, 3), "{project} differs between 1 and 3 threads");
+            assert!(
+                one == picture(project, view, 3),
+                "{project} differs between 1 and 3 threads"
+            );
         }
     }
 

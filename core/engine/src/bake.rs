@@ -88,11 +88,16 @@ impl Questions {
         cancel: &Cancel,
     ) -> Result<(), BakeError> {
         let plan = self.plan(bake)?;
-        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let extension = path
+            .extension()
+            .and_then(|e| e.to_str())
+            .map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("tif" | "tiff") => self.bake_cog(bake, &plan, path, threads, progress, cancel),
             Some("png") => self.bake_png(bake, &plan, path, progress, cancel),
-            _ => Err(BakeError::Region(format!("expected a name that ends in .tif or .png, found {path:?}"))),
+            _ => Err(BakeError::Region(format!(
+                "expected a name that ends in .tif or .png, found {path:?}"
+            ))),
         }
     }
 
@@ -100,8 +105,12 @@ impl Questions {
         let region = |text: String| BakeError::Region(text);
         let crs = Crs::parse(&bake.crs).map_err(|e| region(e.to_string()))?;
         let [west, south, mut east, north] = bake.bounds;
-        if !bake.bounds.iter().all(|b| b.is_finite()) || !(bake.resolution.is_finite() && bake.resolution > 0.0) {
-            return Err(region("expected finite bounds and a positive resolution".to_owned()));
+        if !bake.bounds.iter().all(|b| b.is_finite())
+            || !(bake.resolution.is_finite() && bake.resolution > 0.0)
+        {
+            return Err(region(
+                "expected finite bounds and a positive resolution".to_owned(),
+            ));
         }
         if crs.is_geographic() && west >= east {
             east += 360.0;
@@ -120,7 +129,9 @@ impl Questions {
         let samples = |length: f64| (length / bake.resolution - 1e-6).ceil().max(1.0);
         let (width, height) = (samples(east - west), samples(north - south));
         if width.max(height) > f64::from(1 << 30) {
-            return Err(region(format!("expected at most 2³⁰ samples a side, found {width} × {height}")));
+            return Err(region(format!(
+                "expected at most 2³⁰ samples a side, found {width} × {height}"
+            )));
         }
         let scene = &self.scene;
         let node = match bake.output {
@@ -163,7 +174,11 @@ impl Questions {
             i64::from(rect.width),
             i64::from(rect.height),
         );
-        self.scene.graph.evaluate(plan.node, &Grid::new(Arc::clone(&plan.lattice), rect), cancel)
+        self.scene.graph.evaluate(
+            plan.node,
+            &Grid::new(Arc::clone(&plan.lattice), rect),
+            cancel,
+        )
     }
 
     fn bake_cog(
@@ -190,7 +205,10 @@ impl Questions {
         let mut row: (u32, Vec<Block>) = (u32::MAX, Vec::new());
         let mut source = |rect: PixelRect, out: &mut Block| {
             if row.0 != rect.y {
-                row = (rect.y, self.row(plan, rect.y, rect.height, threads, cancel)?);
+                row = (
+                    rect.y,
+                    self.row(plan, rect.y, rect.height, threads, cancel)?,
+                );
             }
             out.clone_from(&row.1[(rect.x / BLOCK) as usize]);
             Ok(())
@@ -198,9 +216,17 @@ impl Questions {
         Ok(write_cog(path, &layout, &mut source, progress, cancel)?)
     }
 
-    fn row(&self, plan: &Plan, y: u32, height: u32, threads: usize, cancel: &Cancel) -> Result<Vec<Block>, RenderError> {
+    fn row(
+        &self,
+        plan: &Plan,
+        y: u32,
+        height: u32,
+        threads: usize,
+        cancel: &Cancel,
+    ) -> Result<Vec<Block>, RenderError> {
         let columns = plan.width.div_ceil(BLOCK) as usize;
-        let made: Mutex<Vec<Option<Result<Block, RenderError>>>> = Mutex::new((0..columns).map(|_| None).collect());
+        let made: Mutex<Vec<Option<Result<Block, RenderError>>>> =
+            Mutex::new((0..columns).map(|_| None).collect());
         let next = AtomicUsize::new(0);
         let work = || loop {
             let column = next.fetch_add(1, Ordering::Relaxed);
@@ -208,7 +234,12 @@ impl Questions {
                 return;
             }
             let x = column as u32 * BLOCK;
-            let rect = PixelRect { x, y, width: BLOCK.min(plan.width - x), height };
+            let rect = PixelRect {
+                x,
+                y,
+                width: BLOCK.min(plan.width - x),
+                height,
+            };
             let block = self.block(plan, rect, cancel);
             made.lock()[column] = Some(block);
         };
@@ -216,13 +247,19 @@ impl Questions {
             for n in 1..threads.clamp(1, columns) {
                 let name = format!("relievo-bake-{n}");
                 // With fewer threads than asked for the work takes longer; nothing else changes.
-                if let Err(error) = std::thread::Builder::new().name(name).spawn_scoped(scope, work) {
+                if let Err(error) = std::thread::Builder::new()
+                    .name(name)
+                    .spawn_scoped(scope, work)
+                {
                     tracing::warn!("bakes on fewer threads: {error}");
                 }
             }
             work();
         });
-        made.into_inner().into_iter().map(|b| b.unwrap_or(Err(RenderError::Cancelled))).collect()
+        made.into_inner()
+            .into_iter()
+            .map(|b| b.unwrap_or(Err(RenderError::Cancelled)))
+            .collect()
     }
 
     fn bake_png(
@@ -239,7 +276,12 @@ impl Questions {
                 plan.width, plan.height
             )));
         }
-        let whole = PixelRect { x: 0, y: 0, width: plan.width, height: plan.height };
+        let whole = PixelRect {
+            x: 0,
+            y: 0,
+            width: plan.width,
+            height: plan.height,
+        };
         let block = self.block(plan, whole, cancel)?;
         progress(0.9);
         let (block, kind) = match bake.output {
@@ -247,8 +289,10 @@ impl Questions {
             Output::Normal => (shown_normals(&block), Png::Rgb8),
             Output::Height => {
                 let heights = block.plane(0).iter().copied().filter(|h| h.is_finite());
-                let (low_m, high_m) =
-                    heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+                let (low_m, high_m) = heights
+                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| {
+                        (l.min(v), h.max(v))
+                    });
                 (block, Png::Heights16 { low_m, high_m })
             }
         };

@@ -9,14 +9,14 @@ use std::sync::Arc;
 
 use parking_lot::Mutex;
 use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, BlendMode, Constant, EdgeFade, FileSource, Noise, NoiseParams, Normals,
-    Overlay, OverlayHeights, Stop, Tint,
+    AddHeights, Adjust, AdjustParams, BlendMode, Constant, EdgeFade, FileSource, Noise,
+    NoiseParams, Normals, Overlay, OverlayHeights, Stop, Tint,
 };
 use relievo_graph::{Graph, GraphBuilder, ImageNode, NodeIndex};
 use relievo_planet::{LevelKey, Planet};
 use relievo_project::{
-    Adjust as ProjectAdjust, Blend, Layer, LayerId, LayerKind, NoiseMode, Project, Resampling, Source,
-    TintInterpolation,
+    Adjust as ProjectAdjust, Blend, Layer, LayerId, LayerKind, NoiseMode, Project, Resampling,
+    Source, TintInterpolation,
 };
 use relievo_raster::kernel::Kernel;
 use relievo_raster::warp::Warp;
@@ -64,7 +64,14 @@ pub(crate) struct Compiled {
 
 impl Compiled {
     pub(crate) fn into_scene(self, revision: u64) -> Scene {
-        Scene::new(revision, Arc::new(self.graph), self.roots, self.layers, self.details, self.left_out)
+        Scene::new(
+            revision,
+            Arc::new(self.graph),
+            self.roots,
+            self.layers,
+            self.details,
+            self.left_out,
+        )
     }
 }
 
@@ -97,7 +104,11 @@ pub(crate) fn compile(
     *nodes.warps.lock() = compiler.warps;
     Compiled {
         graph: compiler.builder.build(),
-        roots: Roots { height, colour, normal },
+        roots: Roots {
+            height,
+            colour,
+            normal,
+        },
         layers: compiler.layers,
         details: compiler.details,
         problems: compiler.problems,
@@ -162,18 +173,27 @@ impl Compiler<'_> {
         match &layer.kind {
             LayerKind::Height(height) => {
                 let file = self.open(layer)?;
-                let finest = level_of_step(self.warp(layer, &file, &height.source)?.finest_step_rad());
+                let finest =
+                    level_of_step(self.warp(layer, &file, &height.source)?.finest_step_rad());
                 let (scale, offset) = (height.vertical_scale, height.offset_m);
                 let top = self.file_node(layer, &file, &height.source, (scale, offset))?;
                 self.builder.cut(top, SampleType::Height);
                 self.details.push(Detail { node: top, finest });
                 let (inputs, masked) = self.with_fade(layer, &file, &height.source, below, top)?;
-                Some(self.add(layer, Arc::new(OverlayHeights::new(opacity, masked)), &inputs))
+                Some(self.add(
+                    layer,
+                    Arc::new(OverlayHeights::new(opacity, masked)),
+                    &inputs,
+                ))
             }
             LayerKind::Noise(noise) => {
                 let params = &noise.noise;
                 // Noise that adds is scaled by its opacity, so that half of it is half as high.
-                let share = if params.mode == NoiseMode::Add { layer.opacity } else { 1.0 };
+                let share = if params.mode == NoiseMode::Add {
+                    layer.opacity
+                } else {
+                    1.0
+                };
                 let node = Noise::new(
                     self.planet,
                     &NoiseParams {
@@ -189,18 +209,25 @@ impl Compiler<'_> {
                 let mut top = self.add(layer, Arc::new(node), &[]);
                 self.builder.cut(top, SampleType::Height);
                 let shortest_m = params.wavelength_m
-                    / params.lacunarity.powi(params.octaves.saturating_sub(1) as i32);
+                    / params
+                        .lacunarity
+                        .powi(params.octaves.saturating_sub(1) as i32);
                 let step_rad = shortest_m / (4.0 * self.planet.radius_m);
-                self.details.push(Detail { node: top, finest: level_of_step(step_rad) });
+                self.details.push(Detail {
+                    node: top,
+                    finest: level_of_step(step_rad),
+                });
                 if params.offset_m != 0.0 {
                     let offset = Constant::height((params.offset_m * share) as f32);
                     let offset = self.add(layer, Arc::new(offset), &[]);
                     top = self.add(layer, Arc::new(AddHeights), &[top, offset]);
                 }
                 Some(match params.mode {
-                    NoiseMode::Replace => {
-                        self.add(layer, Arc::new(OverlayHeights::new(opacity, false)), &[below, top])
-                    }
+                    NoiseMode::Replace => self.add(
+                        layer,
+                        Arc::new(OverlayHeights::new(opacity, false)),
+                        &[below, top],
+                    ),
                     NoiseMode::Add => self.add(layer, Arc::new(AddHeights), &[below, top]),
                 })
             }
@@ -213,12 +240,19 @@ impl Compiler<'_> {
         if self.details.is_empty() {
             return None;
         }
-        let node = self.builder.add(Arc::new(Normals::new(self.planet, 1.0)), &[height]);
+        let node = self
+            .builder
+            .add(Arc::new(Normals::new(self.planet, 1.0)), &[height]);
         self.builder.cut(node, SampleType::Normal);
         Some(node)
     }
 
-    fn colours(&mut self, project: &Project, height: NodeIndex, pinned: Option<&LayerId>) -> Option<NodeIndex> {
+    fn colours(
+        &mut self,
+        project: &Project,
+        height: NodeIndex,
+        pinned: Option<&LayerId>,
+    ) -> Option<NodeIndex> {
         let mut below: Option<NodeIndex> = None;
         for layer in &project.layers {
             let is_colour = matches!(layer.kind, LayerKind::Imagery(_) | LayerKind::Tint(_));
@@ -247,18 +281,32 @@ impl Compiler<'_> {
         self.builder.cut(node, SampleType::Rgba32F);
     }
 
-    fn colour_layer(&mut self, layer: &Layer, base: NodeIndex, height: NodeIndex) -> Option<NodeIndex> {
+    fn colour_layer(
+        &mut self,
+        layer: &Layer,
+        base: NodeIndex,
+        height: NodeIndex,
+    ) -> Option<NodeIndex> {
         let opacity = layer.opacity as f32;
         match &layer.kind {
             LayerKind::Imagery(imagery) => {
                 let file = self.open(layer)?;
-                let finest = level_of_step(self.warp(layer, &file, &imagery.source)?.finest_step_rad());
+                let finest =
+                    level_of_step(self.warp(layer, &file, &imagery.source)?.finest_step_rad());
                 let top = self.file_node(layer, &file, &imagery.source, (1.0, 0.0))?;
                 let deep = file.info().deep_colour;
-                self.builder.cut(top, if deep { SampleType::Rgba16F } else { SampleType::Rgba8 });
+                self.builder.cut(
+                    top,
+                    if deep {
+                        SampleType::Rgba16F
+                    } else {
+                        SampleType::Rgba8
+                    },
+                );
                 self.details.push(Detail { node: top, finest });
                 let adjusted = self.adjusted(layer, &imagery.adjust, top);
-                let (inputs, masked) = self.with_fade(layer, &file, &imagery.source, base, adjusted)?;
+                let (inputs, masked) =
+                    self.with_fade(layer, &file, &imagery.source, base, adjusted)?;
                 let overlay = Overlay::new(blend_mode(imagery.blend), opacity, masked);
                 Some(self.add(layer, Arc::new(overlay), &inputs))
             }
@@ -269,7 +317,10 @@ impl Compiler<'_> {
                     .iter()
                     .map(|s| {
                         let [r, g, b] = s.colour.map(relievo_raster::colour::from_u8);
-                        Stop { height_m: s.height_m as f32, rgba: [r, g, b, 1.0] }
+                        Stop {
+                            height_m: s.height_m as f32,
+                            rgba: [r, g, b, 1.0],
+                        }
                     })
                     .collect();
                 let smooth = tint.tint.interpolation == TintInterpolation::Smooth;
@@ -305,9 +356,12 @@ impl Compiler<'_> {
     fn open(&mut self, layer: &Layer) -> Option<Arc<dyn RasterFile>> {
         match self.sources.state(&layer.kind, self.folder)? {
             SourceState::Open(file) => return Some(file),
-            SourceState::Opening(_) => self.left_out.push((layer.id.clone(), "file is being opened")),
+            SourceState::Opening(_) => self
+                .left_out
+                .push((layer.id.clone(), "file is being opened")),
             SourceState::Failed(reason) => {
-                self.left_out.push((layer.id.clone(), "file cannot be opened"));
+                self.left_out
+                    .push((layer.id.clone(), "file cannot be opened"));
                 self.complain(layer, reason);
             }
         }
@@ -315,11 +369,19 @@ impl Compiler<'_> {
     }
 
     fn complain(&mut self, layer: &Layer, text: String) {
-        self.problems.push(Message { severity: Severity::Error, layer: Some(layer.id.clone()), text });
+        self.problems.push(Message {
+            severity: Severity::Error,
+            layer: Some(layer.id.clone()),
+            text,
+        });
     }
 
     /// The node, or `None` and a complaint.
-    fn keep<N: ImageNode + 'static>(&mut self, layer: &Layer, node: Result<N, String>) -> Option<Arc<dyn ImageNode>> {
+    fn keep<N: ImageNode + 'static>(
+        &mut self,
+        layer: &Layer,
+        node: Result<N, String>,
+    ) -> Option<Arc<dyn ImageNode>> {
         match node {
             Ok(node) => Some(Arc::new(node)),
             Err(reason) => {
@@ -338,7 +400,11 @@ impl Compiler<'_> {
     ) -> Option<NodeIndex> {
         let kernel = kernel(source.resampling);
         let warp = self.warp(layer, file, source)?;
-        let name = format!("file {} {kernel:?} {scale} {offset_m} {:?}", address(file), self.planet);
+        let name = format!(
+            "file {} {kernel:?} {scale} {offset_m} {:?}",
+            address(file),
+            self.planet
+        );
         let node = self.nodes.get(&mut self.used, name, || {
             Arc::new(FileSource::new(warp, kernel, scale, offset_m))
         });
@@ -346,7 +412,12 @@ impl Compiler<'_> {
     }
 
     /// How the file is brought onto grids; complains where it cannot be.
-    fn warp(&mut self, layer: &Layer, file: &Arc<dyn RasterFile>, source: &Source) -> Option<Arc<Warp>> {
+    fn warp(
+        &mut self,
+        layer: &Layer,
+        file: &Arc<dyn RasterFile>,
+        source: &Source,
+    ) -> Option<Arc<Warp>> {
         let kernel = kernel(source.resampling);
         let name = format!("{} {kernel:?} {:?}", address(file), self.planet);
         if let Some(warp) = self.nodes.warps.lock().get(&name) {
@@ -381,7 +452,9 @@ impl Compiler<'_> {
         let width_m = source.edge_fade_m;
         let warp = self.warp(layer, file, source)?;
         let name = format!("fade {} {width_m} {:?}", address(file), self.planet);
-        let node = self.nodes.get(&mut self.used, name, || Arc::new(EdgeFade::new(warp, width_m)));
+        let node = self.nodes.get(&mut self.used, name, || {
+            Arc::new(EdgeFade::new(warp, width_m))
+        });
         let mask = self.add(layer, node, &[]);
         Some((vec![base, top, mask], true))
     }
@@ -412,5 +485,7 @@ fn kernel(resampling: Resampling) -> Kernel {
 
 /// The coarsest level whose samples are no longer than `step_rad` of colatitude.
 fn level_of_step(step_rad: f64) -> u8 {
-    (0..FINEST).find(|n| LevelKey::new(0, *n).step_rad().y <= step_rad * 1.01).unwrap_or(FINEST)
+    (0..FINEST)
+        .find(|n| LevelKey::new(0, *n).step_rad().y <= step_rad * 1.01)
+        .unwrap_or(FINEST)
 }

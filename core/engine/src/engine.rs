@@ -11,8 +11,8 @@ use relievo_planet::clipmap::plan::{HeightRange, PlanInput, Quality};
 use relievo_planet::clipmap::{ClipKind as PlanKind, Plan, Planner};
 use relievo_planet::{Camera, MapPoint, TileKey};
 use relievo_project::{
-    Affects, Aspect, Body, Edit, EditError, FileStamp, History, LayerId, OpenProjectError, Project, Replace,
-    SaveProjectError,
+    Affects, Aspect, Body, Edit, EditError, FileStamp, History, LayerId, OpenProjectError, Project,
+    Replace, SaveProjectError,
 };
 use relievo_tiles::{LogEntry, TileState, Tiles, TilesOptions, Want};
 
@@ -52,7 +52,13 @@ pub struct EngineOptions {
 impl Default for EngineOptions {
     /// All cores but one, 1 GiB, the user's cache folder.
     fn default() -> Self {
-        Self { threads: None, memory: 1 << 30, cache_folder: default_cache_folder(), log: false, wake: None }
+        Self {
+            threads: None,
+            memory: 1 << 30,
+            cache_folder: default_cache_folder(),
+            log: false,
+            wake: None,
+        }
     }
 }
 
@@ -152,7 +158,11 @@ impl Engine {
     /// # Errors
     /// When the system refuses a thread.
     pub fn new(project: Project, folder: &Path, options: EngineOptions) -> std::io::Result<Self> {
-        let mut tile_options = TilesOptions { memory: options.memory, log: options.log, ..TilesOptions::default() };
+        let mut tile_options = TilesOptions {
+            memory: options.memory,
+            log: options.log,
+            ..TilesOptions::default()
+        };
         if let Some(threads) = options.threads {
             tile_options.threads = threads.max(1);
         }
@@ -178,7 +188,13 @@ impl Engine {
             view: None,
             planner: Planner::default(),
             plan: None,
-            planned_on: (Bounds(HeightRange { min_m: 0.0, max_m: 0.0 }), 0.0),
+            planned_on: (
+                Bounds(HeightRange {
+                    min_m: 0.0,
+                    max_m: 0.0,
+                }),
+                0.0,
+            ),
             stacks: Stacks {
                 height: Stack::new(ClipKind::Height),
                 colour: Stack::new(ClipKind::Colour),
@@ -299,7 +315,8 @@ impl Engine {
                 Affects::Layer { aspect, .. } if !aspect.is_visible() => {}
                 Affects::Layer { id, aspect } => {
                     self.stale = true;
-                    let edits_value = matches!(aspect, Aspect::Adjust | Aspect::Opacity | Aspect::Blend);
+                    let edits_value =
+                        matches!(aspect, Aspect::Adjust | Aspect::Opacity | Aspect::Blend);
                     self.pinned = edits_value.then(|| id.clone());
                 }
                 Affects::Planet | Affects::Exaggeration => {
@@ -337,18 +354,27 @@ impl Engine {
         self.take_finished();
         self.recompile();
         let mut uploads = Vec::new();
-        let ready = self.making.as_ref().is_some_and(|scene| self.is_ready(scene));
+        let ready = self
+            .making
+            .as_ref()
+            .is_some_and(|scene| self.is_ready(scene));
         if ready {
             self.publish();
         }
         self.replan(&view);
-        let mut budget = if ready || dt_s.is_infinite() { usize::MAX } else { UPLOADS_PER_FRAME };
+        let mut budget = if ready || dt_s.is_infinite() {
+            usize::MAX
+        } else {
+            UPLOADS_PER_FRAME
+        };
         self.update_windows(&mut budget, &mut uploads, dt_s);
         self.ask();
         // New heights can move the focus and uncover ground, and windows take their final shape step by
         // step: the plan must fit what it led to.
         self.dirty |= self.plan.as_ref().is_some_and(|p| !p.settled);
-        if uploads.iter().any(|u| u.clipmap == ClipKind::Height) && self.ground(&view) != self.planned_on {
+        if uploads.iter().any(|u| u.clipmap == ClipKind::Height)
+            && self.ground(&view) != self.planned_on
+        {
             self.dirty = true;
         }
         Some(self.frame(&view, uploads))
@@ -383,9 +409,18 @@ impl Engine {
     /// any thread while it may change here.
     pub fn questions(&self) -> Questions {
         let pinned = None;
-        let compiled = compile::compile(&self.project, &self.folder, &self.sources, &self.nodes, pinned);
+        let compiled = compile::compile(
+            &self.project,
+            &self.folder,
+            &self.sources,
+            &self.nodes,
+            pinned,
+        );
         let planet = self.project.planet.body.figure();
-        Questions { scene: Arc::new(compiled.into_scene(0)), planet }
+        Questions {
+            scene: Arc::new(compiled.into_scene(0)),
+            planet,
+        }
     }
 
     /// The files behind the layers.
@@ -454,7 +489,13 @@ impl Engine {
         }
         self.stale = false;
         self.revisions += 1;
-        let compiled = compile::compile(&self.project, &self.folder, &self.sources, &self.nodes, self.pinned.as_ref());
+        let compiled = compile::compile(
+            &self.project,
+            &self.folder,
+            &self.sources,
+            &self.nodes,
+            self.pinned.as_ref(),
+        );
         self.messages.replace_sources(&compiled.problems);
         self.making = Some(Arc::new(compiled.into_scene(self.revisions)));
         self.dirty = true;
@@ -474,8 +515,14 @@ impl Engine {
     }
 
     /// Names of all visible tiles under a revision.
-    fn visible<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = (ClipKind, TileKey, ContentId)> + 'a {
-        self.plan.iter().flat_map(|p| p.wanted_tiles()).flat_map(move |(kind, key)| named(scene, kind, key))
+    fn visible<'a>(
+        &'a self,
+        scene: &'a Scene,
+    ) -> impl Iterator<Item = (ClipKind, TileKey, ContentId)> + 'a {
+        self.plan
+            .iter()
+            .flat_map(|p| p.wanted_tiles())
+            .flat_map(move |(kind, key)| named(scene, kind, key))
     }
 
     fn publish(&mut self) {
@@ -488,7 +535,10 @@ impl Engine {
     /// What a plan depends on beside the view: bounds of the drawn terrain, and its height below the
     /// eye.
     fn ground(&self, view: &View) -> (Bounds, f64) {
-        (terrain::bounds(&self.stacks.height), self.ground_m(view.camera.map_point()))
+        (
+            terrain::bounds(&self.stacks.height),
+            self.ground_m(view.camera.map_point()),
+        )
     }
 
     fn replan(&mut self, view: &View) {
@@ -527,7 +577,11 @@ impl Engine {
                 stack.clear();
                 continue;
             };
-            let levels = if kind == ClipKind::Height { &plan.heights } else { &plan.colours };
+            let levels = if kind == ClipKind::Height {
+                &plan.heights
+            } else {
+                &plan.colours
+            };
             stack.follow(levels, plan.focus, |level| {
                 level.wanted_tiles().into_iter().all(|key| {
                     let id = shown.name(root, key);
@@ -565,7 +619,10 @@ impl Engine {
         };
         let mut wants: Vec<Want> = Vec::new();
         self.missing(&scene, plan.wanted_tiles(), usize::MAX, &mut wants);
-        self.pending = wants.iter().filter(|w| !self.arrived.contains_key(&w.id)).count();
+        self.pending = wants
+            .iter()
+            .filter(|w| !self.arrived.contains_key(&w.id))
+            .count();
         if self.making.is_none() {
             self.missing(&scene, plan.prefetch_tiles(), PREFETCH, &mut wants);
         }
@@ -576,14 +633,22 @@ impl Engine {
         self.tiles.want(wants, plan.focus);
     }
 
-    fn missing(&self, scene: &Scene, tiles: Vec<(PlanKind, TileKey)>, most: usize, wants: &mut Vec<Want>) {
+    fn missing(
+        &self,
+        scene: &Scene,
+        tiles: Vec<(PlanKind, TileKey)>,
+        most: usize,
+        wants: &mut Vec<Want>,
+    ) {
         let end = wants.len().saturating_add(most);
         for (kind, key) in tiles {
             for (kind, key, id) in named(scene, kind, key) {
                 if wants.len() >= end {
                     return;
                 }
-                if let (false, Some(root)) = (self.stacks.get(kind).holds(key, id), scene.root(kind)) {
+                if let (false, Some(root)) =
+                    (self.stacks.get(kind).holds(key, id), scene.root(kind))
+                {
                     wants.push(scene.want(root, key));
                 }
             }
@@ -616,12 +681,18 @@ impl Engine {
 }
 
 /// The clipmap tiles behind a planned one, with their names.
-fn named(scene: &Scene, kind: PlanKind, key: TileKey) -> impl Iterator<Item = (ClipKind, TileKey, ContentId)> + '_ {
+fn named(
+    scene: &Scene,
+    kind: PlanKind,
+    key: TileKey,
+) -> impl Iterator<Item = (ClipKind, TileKey, ContentId)> + '_ {
     let kinds: &[ClipKind] = match kind {
         PlanKind::Heights => &[ClipKind::Height],
         PlanKind::Colours => &[ClipKind::Colour, ClipKind::Normal],
     };
-    kinds.iter().filter_map(move |k| Some((*k, key, scene.name(scene.root(*k)?, key))))
+    kinds
+        .iter()
+        .filter_map(move |k| Some((*k, key, scene.name(scene.root(*k)?, key))))
 }
 
 /// Density of a body's air at the datum relative to Earth's. Mars has 1.6 % of Earth's, but its dust
@@ -638,15 +709,21 @@ fn air(body: Body) -> f32 {
 fn sun(project: &Project, camera: &Camera) -> Sun {
     let settings = &project.sun;
     let at = match settings.anchor {
-        relievo_project::SunAnchor::Viewer => {
-            MapPoint::new(camera.lon_rad, core::f64::consts::FRAC_PI_2 - camera.lat_rad)
+        relievo_project::SunAnchor::Viewer => MapPoint::new(
+            camera.lon_rad,
+            core::f64::consts::FRAC_PI_2 - camera.lat_rad,
+        ),
+        relievo_project::SunAnchor::Place { lon_deg, lat_deg } => {
+            MapPoint::from_degrees(lon_deg, lat_deg)
         }
-        relievo_project::SunAnchor::Place { lon_deg, lat_deg } => MapPoint::from_degrees(lon_deg, lat_deg),
     };
     let up = at.to_unit();
     let east = DVec3::new(-at.lon_rad.sin(), at.lon_rad.cos(), 0.0);
     let north = up.cross(east);
-    let (azimuth, elevation) = (settings.azimuth_deg.to_radians(), settings.elevation_deg.to_radians());
+    let (azimuth, elevation) = (
+        settings.azimuth_deg.to_radians(),
+        settings.elevation_deg.to_radians(),
+    );
     let level = north * azimuth.cos() + east * azimuth.sin();
     Sun {
         direction_in_world: level * elevation.cos() + up * elevation.sin(),

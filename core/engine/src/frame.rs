@@ -99,6 +99,10 @@ impl Frame {
     /// Whether the picture is as good as it will get: nothing to come, nothing fading.
     pub fn is_converged(&self) -> bool {
         let settled = |l: &LevelView| l.view.fade >= 1.0;
-        self.pending == 0 && [&self.heights, &self.colours, &self.normals].into_iter().flatten().all(settled)
+        self.pending == 0
+            && [&self.heights, &self.colours, &self.normals]
+                .into_iter()
+                .flatten()
+                .all(settled)
     }
 }

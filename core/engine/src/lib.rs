@@ -18,14 +18,13 @@ mod view;
 pub use bake::{Bake, BakeError, Output};
 pub use engine::{Engine, EngineOptions, EngineStats, OpenError, default_cache_folder, folder_of};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
-pub use query::{Maker, PlaceAnswer, Questions};
 pub use message::{Message, Severity};
+pub use query::{Maker, PlaceAnswer, Questions};
 pub use sources::{SourceState, Sources};
 pub use view::View;
 
 /// Types of frames and views, for rooms that may depend on the engine only.
 /// Types of tiles, likewise.
-
 // A front-end needs their types, and this is the only door.
 pub use {
     relievo_graph as graph, relievo_planet as planet, relievo_project as project,

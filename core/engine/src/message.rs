@@ -47,7 +47,11 @@ impl Messages {
     }
 
     pub(crate) fn tile_failed(&mut self, error: &Arc<RenderError>) {
-        let message = Message { severity: Severity::Error, layer: None, text: error.to_string() };
+        let message = Message {
+            severity: Severity::Error,
+            layer: None,
+            text: error.to_string(),
+        };
         if self.all.len() < KEPT && !self.all.contains(&message) {
             self.all.push(message);
         }

@@ -59,7 +59,9 @@ impl Questions {
         let point = point.normalised();
         let step_rad = LevelKey::new(0, scene.finest()).step_rad().y;
         let grid = one_sample(point, step_rad);
-        let ask = |node: NodeIndex| -> Result<Block, RenderError> { scene.graph.evaluate(node, &grid, cancel) };
+        let ask = |node: NodeIndex| -> Result<Block, RenderError> {
+            scene.graph.evaluate(node, &grid, cancel)
+        };
         let height_m = f64::from(ask(scene.roots.height)?.samples()[0]);
         let colour = match scene.roots.colour {
             Some(node) => {
@@ -80,19 +82,36 @@ impl Questions {
             colour,
             slope_deg,
             height_made_by: self.makers(&scene.graph, scene.roots.height, &grid),
-            colour_made_by: scene.roots.colour.map_or_else(Vec::new, |c| self.makers(&scene.graph, c, &grid)),
+            colour_made_by: scene
+                .roots
+                .colour
+                .map_or_else(Vec::new, |c| self.makers(&scene.graph, c, &grid)),
             spacing_m: step_rad * self.planet.radius_m,
         })
     }
 
     /// Slope from central differences along two great circles that cross at the point, so that a
     /// pole is a place like any other.
-    fn slope_deg(&self, point: MapPoint, step_rad: f64, cancel: &Cancel) -> Result<f64, RenderError> {
+    fn slope_deg(
+        &self,
+        point: MapPoint,
+        step_rad: f64,
+        cancel: &Cancel,
+    ) -> Result<f64, RenderError> {
         let up = point.to_unit();
-        let along = [up.any_orthonormal_vector(), up.cross(up.any_orthonormal_vector())];
+        let along = [
+            up.any_orthonormal_vector(),
+            up.cross(up.any_orthonormal_vector()),
+        ];
         let height_at = |direction: DVec3| -> Result<f64, RenderError> {
-            let grid = one_sample(MapPoint::from_direction(up + direction * step_rad), step_rad);
-            let heights = self.scene.graph.evaluate(self.scene.roots.height, &grid, cancel)?;
+            let grid = one_sample(
+                MapPoint::from_direction(up + direction * step_rad),
+                step_rad,
+            );
+            let heights = self
+                .scene
+                .graph
+                .evaluate(self.scene.roots.height, &grid, cancel)?;
             Ok(f64::from(heights.samples()[0]))
         };
         let run_m = 2.0 * step_rad * self.planet.meridian_radius_m(point.lat_rad());
@@ -109,7 +128,10 @@ impl Questions {
         graph
             .made_by(node, grid)
             .into_iter()
-            .map(|n| Maker { node: graph.node(n).kind(), layer: self.scene.layers.get(&n).map(named) })
+            .map(|n| Maker {
+                node: graph.node(n).kind(),
+                layer: self.scene.layers.get(&n).map(named),
+            })
             .collect()
     }
 }

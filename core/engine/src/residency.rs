@@ -8,7 +8,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use relievo_graph::ContentId;
-use relievo_planet::clipmap::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN, ValidRect, valid_rect};
+use relievo_planet::clipmap::valid::{
+    COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN, ValidRect, valid_rect,
+};
 use relievo_planet::clipmap::{LevelPlan, Window, choose};
 use relievo_planet::{LevelKey, MapPoint, SampleRect, TILE_SAMPLES, TileKey};
 use relievo_raster::{Sample, Tile};
@@ -52,7 +54,10 @@ struct Slot {
 
 impl Stack {
     pub(crate) fn new(kind: ClipKind) -> Self {
-        Self { kind, levels: Vec::new() }
+        Self {
+            kind,
+            levels: Vec::new(),
+        }
     }
 
     /// Forgets everything uploaded: the textures are gone.
@@ -64,10 +69,18 @@ impl Stack {
     ///
     /// A level whose columns change their width (its m) shows its old window, moved along, until
     /// `ready` says that all wanted tiles of the new one can be had at once.
-    pub(crate) fn follow(&mut self, plans: &[LevelPlan], focus: MapPoint, ready: impl Fn(&LevelPlan) -> bool) {
-        let mut old: HashMap<u8, Level> = self.levels.drain(..).map(|l| (l.plan.level.n, l)).collect();
+    pub(crate) fn follow(
+        &mut self,
+        plans: &[LevelPlan],
+        focus: MapPoint,
+        ready: impl Fn(&LevelPlan) -> bool,
+    ) {
+        let mut old: HashMap<u8, Level> =
+            self.levels.drain(..).map(|l| (l.plan.level.n, l)).collect();
         for plan in plans {
-            let kept = old.remove(&plan.level.n).filter(|l| l.plan.window.size == plan.window.size);
+            let kept = old
+                .remove(&plan.level.n)
+                .filter(|l| l.plan.window.size == plan.window.size);
             self.levels.push(match kept {
                 Some(level) if level.plan.level == plan.level => level.moved(*plan),
                 Some(level) if !level.valid.rect.is_empty() && !ready(plan) => {
@@ -81,14 +94,21 @@ impl Stack {
 
     /// Whether all that the window needs of a tile is uploaded with this content.
     pub(crate) fn holds(&self, key: TileKey, id: ContentId) -> bool {
-        self.levels.iter().filter(|l| l.plan.level == key.level).any(|l| {
-            l.slots.get(&key).is_some_and(|s| s.id == id && s.covered.contains_rect(&l.needed(key)))
-        })
+        self.levels
+            .iter()
+            .filter(|l| l.plan.level == key.level)
+            .any(|l| {
+                l.slots
+                    .get(&key)
+                    .is_some_and(|s| s.id == id && s.covered.contains_rect(&l.needed(key)))
+            })
     }
 
     /// Whether something of this tile, whatever its content, is on the screen.
     pub(crate) fn shows(&self, key: TileKey) -> bool {
-        self.levels.iter().any(|l| l.plan.level == key.level && l.slots.contains_key(&key))
+        self.levels
+            .iter()
+            .any(|l| l.plan.level == key.level && l.slots.contains_key(&key))
     }
 
     /// Brings windows up to date: drops what has another name now, uploads what `find` gives, at
@@ -161,7 +181,13 @@ fn with_columns_of(level: LevelKey, plan: &LevelPlan, focus: MapPoint) -> LevelP
     wanted.max.x = to_tile(wanted.max.x as f64) + TILE_SAMPLES;
     let mut centre_in_sample = plan.centre_in_sample;
     centre_in_sample.x = carried(centre_in_sample.x);
-    LevelPlan { level, window, wanted, focus_in_sample, centre_in_sample }
+    LevelPlan {
+        level,
+        window,
+        wanted,
+        focus_in_sample,
+        centre_in_sample,
+    }
 }
 
 impl Level {
@@ -205,9 +231,9 @@ impl Level {
     /// The part of a tile that the window shows, counted from the tile's first sample.
     fn needed(&self, key: TileKey) -> SampleRect {
         let window = &self.plan.window;
-        window
-            .tile_rect(key)
-            .map_or_else(SampleRect::default, |r| r.intersection(&window.rect).shift(-r.min))
+        window.tile_rect(key).map_or_else(SampleRect::default, |r| {
+            r.intersection(&window.rect).shift(-r.min)
+        })
     }
 
     fn update(
@@ -246,7 +272,11 @@ impl Level {
                 TileState::Failed(_) => stand_in(kind),
             };
             for missing in needed.minus(&covered) {
-                for piece in self.plan.window.upload_pieces(key, &missing.shift(rect.min)) {
+                for piece in self
+                    .plan
+                    .window
+                    .upload_pieces(key, &missing.shift(rect.min))
+                {
                     uploads.push(Upload {
                         clipmap: kind,
                         layer,
@@ -258,7 +288,14 @@ impl Level {
                 }
             }
             let tile = (kind == ClipKind::Height).then_some(tile);
-            self.slots.insert(key, Slot { id, covered: needed, tile });
+            self.slots.insert(
+                key,
+                Slot {
+                    id,
+                    covered: needed,
+                    tile,
+                },
+            );
             self.touched = true;
         }
         left
@@ -287,13 +324,19 @@ impl Level {
         self.settled.rect = self.settled.rect.intersection(&best.rect);
         self.settled.whole_circle &= best.whole_circle;
         self.valid = best;
-        self.fade = if dt_s.is_infinite() || self.settled == best { 1.0 } else { 0.0 };
+        self.fade = if dt_s.is_infinite() || self.settled == best {
+            1.0
+        } else {
+            0.0
+        };
     }
 
     /// The largest rectangle that is uploaded.
     fn readable(&self) -> ValidRect {
         let resident = |key: TileKey| {
-            self.slots.get(&key).is_some_and(|s| s.covered.contains_rect(&self.needed(key)))
+            self.slots
+                .get(&key)
+                .is_some_and(|s| s.covered.contains_rect(&self.needed(key)))
         };
         let mut best = valid_rect(&self.plan, resident);
         if best.whole_circle {
@@ -305,8 +348,18 @@ impl Level {
     }
 
     fn view(&self, kind: ClipKind) -> choose::LevelView {
-        let margin = if kind == ClipKind::Height { HEIGHT_FILTER_MARGIN } else { COLOUR_FILTER_MARGIN };
-        choose::LevelView::new(&self.plan, &self.valid, Some(&self.settled), self.fade, margin)
+        let margin = if kind == ClipKind::Height {
+            HEIGHT_FILTER_MARGIN
+        } else {
+            COLOUR_FILTER_MARGIN
+        };
+        choose::LevelView::new(
+            &self.plan,
+            &self.valid,
+            Some(&self.settled),
+            self.fade,
+            margin,
+        )
     }
 }
 

@@ -59,7 +59,15 @@ impl Scene {
         details: Vec<Detail>,
         left_out: Vec<(LayerId, &'static str)>,
     ) -> Self {
-        Self { revision, graph, roots, layers, details, left_out, names: Mutex::new(HashMap::new()) }
+        Self {
+            revision,
+            graph,
+            roots,
+            layers,
+            details,
+            left_out,
+            names: Mutex::new(HashMap::new()),
+        }
     }
 
     /// Finest level n that some source is worth anywhere.
@@ -71,13 +79,26 @@ impl Scene {
     /// as fine as the level reaches into its window. A coarser level shows the same, magnified.
     pub(crate) fn finest_near(&self, focus: MapPoint, size: u32) -> u8 {
         let reaches = |n: u8, node: NodeIndex| {
-            let level = LevelKey::new(columns_exponent(n, focus.colat_rad, reach_rad(n, size), size), n);
-            let grid = Grid::new(Arc::new(level.lattice()), Window::place(level, focus, size).rect);
-            !self.graph.known(node, &grid).is_absent(self.graph.node(node).output())
+            let level = LevelKey::new(
+                columns_exponent(n, focus.colat_rad, reach_rad(n, size), size),
+                n,
+            );
+            let grid = Grid::new(
+                Arc::new(level.lattice()),
+                Window::place(level, focus, size).rect,
+            );
+            !self
+                .graph
+                .known(node, &grid)
+                .is_absent(self.graph.node(node).output())
         };
         (0..=self.finest())
             .rev()
-            .find(|n| self.details.iter().any(|d| d.finest >= *n && reaches(*n, d.node)))
+            .find(|n| {
+                self.details
+                    .iter()
+                    .any(|d| d.finest >= *n && reaches(*n, d.node))
+            })
             .unwrap_or(0)
     }
 
@@ -106,6 +127,11 @@ impl Scene {
 
     /// What to ask the scheduler for.
     pub(crate) fn want(&self, node: NodeIndex, key: TileKey) -> Want {
-        Want { graph: Arc::clone(&self.graph), node, key, id: self.name(node, key) }
+        Want {
+            graph: Arc::clone(&self.graph),
+            node,
+            key,
+            id: self.name(node, key),
+        }
     }
 }

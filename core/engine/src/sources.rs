@@ -73,7 +73,10 @@ impl Sources {
         wake: Option<Arc<dyn Fn() + Send + Sync>>,
     ) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
-            state: Mutex::new(State { files: HashMap::new(), changed: false }),
+            state: Mutex::new(State {
+                files: HashMap::new(),
+                changed: false,
+            }),
             settled: Condvar::new(),
             cancel: Cancel::default(),
             chunks: Arc::new(ChunkCache::new(DEFAULT_CHUNK_CACHE_BYTES)),
@@ -87,7 +90,11 @@ impl Sources {
             let thread = std::thread::Builder::new().name(format!("relievo-opener-{n}"));
             threads.push(thread.spawn(move || shared.open_all(&receiver))?);
         }
-        Ok(Self { shared, requests: Some(sender), threads })
+        Ok(Self {
+            shared,
+            requests: Some(sender),
+            threads,
+        })
     }
 
     /// Opens what the project's layers name and is not open yet; forgets what none names.
@@ -102,8 +109,16 @@ impl Sources {
             if state.files.contains_key(&key) {
                 continue;
             }
-            let request = Request { key: key.clone(), source, bands };
-            if self.requests.as_ref().is_some_and(|r| r.try_send(request).is_ok()) {
+            let request = Request {
+                key: key.clone(),
+                source,
+                bands,
+            };
+            if self
+                .requests
+                .as_ref()
+                .is_some_and(|r| r.try_send(request).is_ok())
+            {
                 state.files.insert(key, SourceState::Opening(0.0));
             }
         }
@@ -113,20 +128,34 @@ impl Sources {
 
     /// Tries files again that could not be opened.
     pub(crate) fn forget_failures(&self) {
-        self.shared.state.lock().files.retain(|_, s| !matches!(s, SourceState::Failed(_)));
+        self.shared
+            .state
+            .lock()
+            .files
+            .retain(|_, s| !matches!(s, SourceState::Failed(_)));
     }
 
     /// The state of a layer's file; `None` for layers without one.
     pub fn state(&self, kind: &LayerKind, folder: &Path) -> Option<SourceState> {
         let (key, ..) = request_of(kind, folder)?;
         let state = self.shared.state.lock();
-        Some(state.files.get(&key).cloned().unwrap_or(SourceState::Opening(0.0)))
+        Some(
+            state
+                .files
+                .get(&key)
+                .cloned()
+                .unwrap_or(SourceState::Opening(0.0)),
+        )
     }
 
     /// Number of files that are being opened.
     pub fn opening(&self) -> usize {
         let state = self.shared.state.lock();
-        state.files.values().filter(|s| matches!(s, SourceState::Opening(_))).count()
+        state
+            .files
+            .values()
+            .filter(|s| matches!(s, SourceState::Opening(_)))
+            .count()
     }
 
     /// Whether a file was opened or refused since the last call.
@@ -217,20 +246,32 @@ impl Shared {
     }
 
     /// Turns what the project says of a file's place into what the reader takes.
-    fn place(&self, options: &mut OpenOptions, place: &Georeference, path: &Path) -> Result<(), String> {
+    fn place(
+        &self,
+        options: &mut OpenOptions,
+        place: &Georeference,
+        path: &Path,
+    ) -> Result<(), String> {
         let Some(extent) = place.extent else {
             options.crs = place.crs.as_deref().map(Arc::from);
             return Ok(());
         };
         // The extent is one of outer edges, so the size in pixels is needed first.
-        let probe = OpenOptions { make_pyramid: false, ..options.clone() };
+        let probe = OpenOptions {
+            make_pyramid: false,
+            ..options.clone()
+        };
         let file = open(path, &probe).map_err(|e| e.to_string())?;
         let full = file.info().overviews[0];
         let (dx, dy) = (
             (extent.east - extent.west) / f64::from(full.width),
             (extent.south - extent.north) / f64::from(full.height),
         );
-        let own = file.info().georeference.as_ref().map(|g| Arc::clone(&g.crs));
+        let own = file
+            .info()
+            .georeference
+            .as_ref()
+            .map(|g| Arc::clone(&g.crs));
         let crs = place.crs.as_deref().map(Arc::from).or(own);
         options.georeference = Some(relievo_raster::file::Georeference {
             crs: crs.unwrap_or_else(|| Arc::from("EPSG:4326")),
@@ -253,8 +294,11 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<(SourceKey, Source, Opt
         LayerKind::Height(l) => (&l.source, Bands::Height, l.band.map(|b| vec![b])),
         LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => return None,
     };
-    let Georeference { crs, extent, .. } =
-        source.georeference.clone().unwrap_or(Georeference { crs: None, extent: None, extra: Default::default() });
+    let Georeference { crs, extent, .. } = source.georeference.clone().unwrap_or(Georeference {
+        crs: None,
+        extent: None,
+        extra: Default::default(),
+    });
     let key = SourceKey {
         path: resolve_path(folder, &source.path),
         bands,

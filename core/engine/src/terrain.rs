@@ -23,13 +23,18 @@ impl TerrainBounds for Bounds {
 /// Lowest and highest height of any resident tile; the datum while there is none.
 pub(crate) fn bounds(heights: &Stack) -> Bounds {
     let (low, high) = heights.height_range_m().unwrap_or((0.0, 0.0));
-    Bounds(HeightRange { min_m: f64::from(low).min(0.0), max_m: f64::from(high).max(0.0) })
+    Bounds(HeightRange {
+        min_m: f64::from(low).min(0.0),
+        max_m: f64::from(high).max(0.0),
+    })
 }
 
 /// Height of the ground at a point in metres without exaggeration, bilinear in the finest resident
 /// tile; 0 where nothing is resident.
 pub(crate) fn ground_m(heights: &Stack, point: MapPoint) -> f64 {
-    heights.tile_at(point).map_or(0.0, |(key, tile)| height_in_tile(key, tile, point))
+    heights
+        .tile_at(point)
+        .map_or(0.0, |(key, tile)| height_in_tile(key, tile, point))
 }
 
 /// Bilinear height inside a tile; its border samples are continued outward by half a sample.

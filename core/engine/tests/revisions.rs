@@ -16,12 +16,26 @@ fn layer(id: &str, kind: LayerKind) -> Layer {
 
 fn tint(id: &str, low: [u8; 3], high: [u8; 3]) -> Layer {
     let stops = vec![TintStop::new(-2000.0, low), TintStop::new(2000.0, high)];
-    let tint = Tint { stops, interpolation: TintInterpolation::Smooth };
-    layer(id, LayerKind::Tint(TintLayer { tint, blend: Blend::Normal, adjust: Adjust::default() }))
+    let tint = Tint {
+        stops,
+        interpolation: TintInterpolation::Smooth,
+    };
+    layer(
+        id,
+        LayerKind::Tint(TintLayer {
+            tint,
+            blend: Blend::Normal,
+            adjust: Adjust::default(),
+        }),
+    )
 }
 
 fn project() -> Project {
-    let noise = Noise { mode: NoiseMode::Replace, octaves: 6, ..Noise::default() };
+    let noise = Noise {
+        mode: NoiseMode::Replace,
+        octaves: 6,
+        ..Noise::default()
+    };
     Project {
         layers: vec![
             layer("hills", LayerKind::Noise(NoiseLayer { noise })),
@@ -33,8 +47,12 @@ fn project() -> Project {
 }
 
 fn engine(threads: usize) -> Engine {
-    let options =
-        EngineOptions { threads: Some(threads), log: true, cache_folder: None, ..EngineOptions::default() };
+    let options = EngineOptions {
+        threads: Some(threads),
+        log: true,
+        cache_folder: None,
+        ..EngineOptions::default()
+    };
     let mut engine = Engine::new(project(), std::path::Path::new("."), options).unwrap();
     set_opacity(&mut engine, "above", 0.5);
     engine.set_view(view(10.0));
@@ -44,16 +62,35 @@ fn engine(threads: usize) -> Engine {
 fn view(lon_deg: f64) -> View {
     let mut camera = Camera::from_degrees(lon_deg, 45.0, 2.0e5, 0.0, -60.0, 60.0).unwrap();
     camera.fov_y_rad = 1.0;
-    View { camera, viewport_px: [320, 240], colour_window: 256, colour_texel_px: 1.0, height_texel_px: 2.0 }
+    View {
+        camera,
+        viewport_px: [320, 240],
+        colour_window: 256,
+        colour_texel_px: 1.0,
+        height_texel_px: 2.0,
+    }
 }
 
 fn set_opacity(engine: &mut Engine, id: &str, opacity: f64) {
-    engine.apply(Edit::SetOpacity { id: LayerId::from(id), opacity }).unwrap();
+    engine
+        .apply(Edit::SetOpacity {
+            id: LayerId::from(id),
+            opacity,
+        })
+        .unwrap();
 }
 
 fn adjust(engine: &mut Engine, id: &str, contrast: f64) {
-    let adjust = Adjust { contrast, ..Adjust::default() };
-    engine.apply(Edit::SetAdjust { id: LayerId::from(id), adjust }).unwrap();
+    let adjust = Adjust {
+        contrast,
+        ..Adjust::default()
+    };
+    engine
+        .apply(Edit::SetAdjust {
+            id: LayerId::from(id),
+            adjust,
+        })
+        .unwrap();
 }
 
 /// Drains until the picture is done; gives every frame.
@@ -92,7 +129,11 @@ fn a_slider_makes_again_only_what_depends_on_its_layer() {
     let made = log(&mut engine);
     assert!(!made.is_empty());
     let kinds: std::collections::BTreeSet<_> = made.iter().map(|e| e.kind).collect();
-    assert_eq!(kinds.into_iter().collect::<Vec<_>>(), ["overlay"], "no height, no normal, no noise");
+    assert_eq!(
+        kinds.into_iter().collect::<Vec<_>>(),
+        ["overlay"],
+        "no height, no normal, no noise"
+    );
 }
 
 #[test]
@@ -105,7 +146,10 @@ fn undo_makes_nothing_and_restores_the_same_tiles() {
     log(&mut engine);
     assert!(engine.undo().unwrap());
     let frames = converge(&mut engine);
-    assert!(frames.iter().any(|f| !f.uploads.is_empty()), "the old colours come back");
+    assert!(
+        frames.iter().any(|f| !f.uploads.is_empty()),
+        "the old colours come back"
+    );
     assert_eq!(log(&mut engine), []);
 }
 
@@ -134,10 +178,18 @@ fn layers_without_effect_change_the_name_of_no_tile() {
         let mut inert = tint(&format!("inert-{n}"), [0; 3], [255; 3]);
         inert.visible = n % 2 == 0;
         inert.opacity = if inert.visible { 0.0 } else { 1.0 };
-        engine.apply(Edit::AddLayer { index: Some(n % 3), layer: Box::new(inert) }).unwrap();
+        engine
+            .apply(Edit::AddLayer {
+                index: Some(n % 3),
+                layer: Box::new(inert),
+            })
+            .unwrap();
     }
     let uploads: usize = converge(&mut engine).iter().map(|f| f.uploads.len()).sum();
-    let made: Vec<_> = log(&mut engine).iter().map(|e| format!("{} {}", e.kind, e.key)).collect();
+    let made: Vec<_> = log(&mut engine)
+        .iter()
+        .map(|e| format!("{} {}", e.kind, e.key))
+        .collect();
     assert_eq!((made, uploads), (vec![], 0));
     assert_eq!(engine.left_out().len(), 10);
 }
@@ -149,7 +201,16 @@ fn the_same_uploads_whatever_the_number_of_threads() {
         let mut all: Vec<_> = converge(&mut engine)
             .into_iter()
             .flat_map(|f| f.uploads)
-            .map(|u| (u.clipmap, u.layer, u.storage, u.source, u.size, u.tile.bytes().map(<[u8]>::to_vec)))
+            .map(|u| {
+                (
+                    u.clipmap,
+                    u.layer,
+                    u.storage,
+                    u.source,
+                    u.size,
+                    u.tile.bytes().map(<[u8]>::to_vec),
+                )
+            })
             .collect();
         all.sort();
         all.dedup();
@@ -158,8 +219,10 @@ fn the_same_uploads_whatever_the_number_of_threads() {
     let one = bytes(1);
     let three = bytes(3);
     // Prefetched tiles may or may not have come in time; what both have must agree.
-    let places: std::collections::BTreeMap<_, _> =
-        one.iter().map(|u| ((u.0, u.1, u.2, u.3, u.4), &u.5)).collect();
+    let places: std::collections::BTreeMap<_, _> = one
+        .iter()
+        .map(|u| ((u.0, u.1, u.2, u.3, u.4), &u.5))
+        .collect();
     let mut both = 0;
     for u in &three {
         if let Some(same) = places.get(&(u.0, u.1, u.2, u.3, u.4)) {
@@ -176,14 +239,25 @@ fn a_drag_finishes_the_revision_in_the_making_and_then_shows_the_latest() {
     let before = converge(&mut engine).pop().unwrap().revision;
     engine.begin_drag();
     adjust(&mut engine, "above", 1.1);
-    assert_eq!(engine.drain(0.016).unwrap().revision, before, "nothing is shown before it is whole");
+    assert_eq!(
+        engine.drain(0.016).unwrap().revision,
+        before,
+        "nothing is shown before it is whole"
+    );
     adjust(&mut engine, "above", 1.2);
     adjust(&mut engine, "above", 1.3);
     engine.end_drag();
-    let mut shown: Vec<u64> = converge(&mut engine).into_iter().map(|f| f.revision).collect();
+    let mut shown: Vec<u64> = converge(&mut engine)
+        .into_iter()
+        .map(|f| f.revision)
+        .collect();
     shown.dedup();
     shown.retain(|r| *r != before);
-    assert_eq!(shown, [before + 1, before + 2], "the first edit is not starved, the second is skipped");
+    assert_eq!(
+        shown,
+        [before + 1, before + 2],
+        "the first edit is not starved, the second is skipped"
+    );
     assert!(engine.undo().unwrap());
     let contrast = |e: &Engine| match &e.project().layers[2].kind {
         LayerKind::Tint(t) => t.adjust.contrast,

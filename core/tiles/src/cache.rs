@@ -86,14 +86,24 @@ impl Cache {
     /// Names what is wanted from now on and where the focus is.
     pub fn set_wanted(&mut self, wanted: impl Fn(ContentId) -> bool, focus: MapPoint) {
         self.focus = focus;
-        #[expect(clippy::iter_over_hash_type, reason = "sets a flag on each entry: order cannot matter")]
+        #[expect(
+            clippy::iter_over_hash_type,
+            reason = "sets a flag on each entry: order cannot matter"
+        )]
         for (id, entry) in &mut self.entries {
             entry.wanted = wanted(*id);
         }
     }
 
     /// Keeps a tile, making room as needed. A tile larger than the bound is not kept.
-    pub fn insert(&mut self, id: ContentId, key: TileKey, state: TileState, cost: Duration, wanted: bool) {
+    pub fn insert(
+        &mut self,
+        id: ContentId,
+        key: TileKey,
+        state: TileState,
+        cost: Duration,
+        wanted: bool,
+    ) {
         let memory = state.memory();
         if memory > self.bound || self.contains(id) {
             return;
@@ -102,7 +112,15 @@ impl Cache {
             self.make_room(memory);
         }
         self.used += memory;
-        self.entries.insert(id, Entry { state, key, cost, wanted });
+        self.entries.insert(
+            id,
+            Entry {
+                state,
+                key,
+                cost,
+                wanted,
+            },
+        );
     }
 
     /// Forgets tiles that could not be made, so that they are tried again (a file came back).
@@ -126,9 +144,7 @@ impl Cache {
             .iter()
             .map(|(id, e)| (e.wanted, worth(e, self.focus), *id))
             .collect();
-        order.sort_unstable_by(|a, b| {
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
-        });
+        order.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         for (wanted, _, id) in order {
             let enough = if wanted { self.bound - memory } else { target };
             if self.used <= enough {
@@ -176,7 +192,13 @@ mod tests {
     fn the_bound_is_kept_whatever_is_inserted() {
         let mut cache = Cache::new(1_000_000);
         for n in 0..50 {
-            cache.insert(id(n), key(i64::from(n)), tile(), Duration::from_millis(1), n % 2 == 0);
+            cache.insert(
+                id(n),
+                key(i64::from(n)),
+                tile(),
+                Duration::from_millis(1),
+                n % 2 == 0,
+            );
             assert!(cache.used() <= 1_000_000);
         }
         assert!(cache.evicted() > 40);
@@ -198,8 +220,20 @@ mod tests {
     #[test]
     fn a_failure_is_kept_until_it_is_forgotten() {
         let mut cache = Cache::new(1000);
-        cache.insert(id(1), key(0), TileState::Failed(Arc::new(RenderError::Cancelled)), Duration::ZERO, true);
-        cache.insert(id(2), key(1), TileState::Ready(Arc::new(Tile::uniform(Sample::Height(1.0)))), Duration::ZERO, true);
+        cache.insert(
+            id(1),
+            key(0),
+            TileState::Failed(Arc::new(RenderError::Cancelled)),
+            Duration::ZERO,
+            true,
+        );
+        cache.insert(
+            id(2),
+            key(1),
+            TileState::Ready(Arc::new(Tile::uniform(Sample::Height(1.0)))),
+            Duration::ZERO,
+            true,
+        );
         cache.forget_failures();
         assert!(!cache.contains(id(1)) && cache.contains(id(2)));
     }

@@ -67,7 +67,12 @@ impl Queue {
     }
 
     /// Adds a task. `inputs` are there, `missing` are ids whose tasks were added before.
-    pub(crate) fn add(&mut self, job: Job, inputs: Inputs, missing: &[(ContentId, (NodeIndex, TileKey))]) {
+    pub(crate) fn add(
+        &mut self,
+        job: Job,
+        inputs: Inputs,
+        missing: &[(ContentId, (NodeIndex, TileKey))],
+    ) {
         let (id, order) = (job.id, self.next_order);
         self.next_order += 1;
         for (input, name) in missing {
@@ -76,7 +81,15 @@ impl Queue {
         if missing.is_empty() {
             self.ready.insert(order, id);
         }
-        self.tasks.insert(id, Task { job, order, inputs, missing: missing.len() });
+        self.tasks.insert(
+            id,
+            Task {
+                job,
+                order,
+                inputs,
+                missing: missing.len(),
+            },
+        );
     }
 
     /// The first task that can run, now counted as running.

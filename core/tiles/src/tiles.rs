@@ -33,7 +33,12 @@ impl Default for TilesOptions {
     /// All cores but one, 1 GiB.
     fn default() -> Self {
         let cores = std::thread::available_parallelism().map_or(2, usize::from);
-        Self { threads: (cores - 1).max(1), memory: 1 << 30, log: false, wake: None }
+        Self {
+            threads: (cores - 1).max(1),
+            memory: 1 << 30,
+            log: false,
+            wake: None,
+        }
     }
 }
 
@@ -137,7 +142,10 @@ impl Tiles {
             wake: options.wake,
             busy_ns: AtomicU64::new(0),
         });
-        let mut tiles = Self { shared, threads: Vec::new() };
+        let mut tiles = Self {
+            shared,
+            threads: Vec::new(),
+        };
         tiles.spawn("relievo-manager".to_owned(), Shared::manage)?;
         for n in 0..options.threads.max(1) {
             tiles.spawn(format!("relievo-worker-{n}"), |shared| {
@@ -151,9 +159,17 @@ impl Tiles {
         Ok(tiles)
     }
 
-    fn spawn(&mut self, name: String, body: impl FnOnce(&Shared) + Send + 'static) -> std::io::Result<()> {
+    fn spawn(
+        &mut self,
+        name: String,
+        body: impl FnOnce(&Shared) + Send + 'static,
+    ) -> std::io::Result<()> {
         let shared = Arc::clone(&self.shared);
-        self.threads.push(std::thread::Builder::new().name(name).spawn(move || body(&shared))?);
+        self.threads.push(
+            std::thread::Builder::new()
+                .name(name)
+                .spawn(move || body(&shared))?,
+        );
         Ok(())
     }
 
@@ -186,7 +202,13 @@ impl Tiles {
             if state.is_idle() {
                 return true;
             }
-            if !state.finished.is_empty() || self.shared.progress.wait_until(&mut state, deadline).timed_out() {
+            if !state.finished.is_empty()
+                || self
+                    .shared
+                    .progress
+                    .wait_until(&mut state, deadline)
+                    .timed_out()
+            {
                 return state.is_idle();
             }
         }
@@ -237,7 +259,9 @@ impl Drop for Tiles {
 /// leave everybody waiting.
 fn make(job: &Job, inputs: &Inputs, cancel: &Cancel) -> Result<Tile, RenderError> {
     let tile_of = |node, key| Arc::clone(&inputs[&(node, key)]);
-    let made = catch_unwind(AssertUnwindSafe(|| job.graph.make(job.node, job.key, &tile_of, cancel)));
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        job.graph.make(job.node, job.key, &tile_of, cancel)
+    }));
     made.unwrap_or_else(|_| {
         Err(RenderError::Node {
             node: job.graph.node(job.node).kind(),
@@ -264,7 +288,12 @@ impl State {
                 inputs.insert((node, key), tile);
                 continue;
             }
-            self.resolve(Job { graph: Arc::clone(&job.graph), node, key, id });
+            self.resolve(Job {
+                graph: Arc::clone(&job.graph),
+                node,
+                key,
+                id,
+            });
             if let Some(TileState::Failed(error)) = self.cache.get(id) {
                 self.fail(&job, &error);
                 return;
@@ -285,9 +314,13 @@ impl State {
         if !wanted && !self.queue.is_read(job.id) {
             self.stats.in_vain += 1;
         }
-        self.cache.insert(job.id, job.key, state.clone(), cost, wanted);
+        self.cache
+            .insert(job.id, job.key, state.clone(), cost, wanted);
         if wanted {
-            self.finished.push(Finished { id: job.id, state: state.clone() });
+            self.finished.push(Finished {
+                id: job.id,
+                state: state.clone(),
+            });
         }
         let lost = match state {
             TileState::Ready(tile) => self.queue.finish(job.id, Some(tile)),
@@ -329,11 +362,24 @@ impl Shared {
                     continue;
                 }
                 if let Some(found) = state.cache.get(want.id) {
-                    state.finished.push(Finished { id: want.id, state: found });
+                    state.finished.push(Finished {
+                        id: want.id,
+                        state: found,
+                    });
                     continue;
                 }
-                let Want { graph, node, key, id } = want;
-                state.resolve(Job { graph, node, key, id });
+                let Want {
+                    graph,
+                    node,
+                    key,
+                    id,
+                } = want;
+                state.resolve(Job {
+                    graph,
+                    node,
+                    key,
+                    id,
+                });
                 self.work.notify_one();
                 // Others must get the lock between two wants, or drawing would stall on a long list.
                 parking_lot::MutexGuard::bump(&mut state);
@@ -363,7 +409,8 @@ impl Shared {
             let started = Instant::now();
             let result = make(&job, &inputs, &self.cancel);
             let cost = started.elapsed();
-            self.busy_ns.fetch_add(cost.as_nanos() as u64, Ordering::Relaxed);
+            self.busy_ns
+                .fetch_add(cost.as_nanos() as u64, Ordering::Relaxed);
             state = self.state.lock();
             self.store(&mut state, &job, result, cost);
             self.progress.notify_all();
@@ -397,7 +444,14 @@ impl Shared {
         };
         if self.log {
             let kind = job.graph.node(job.node).kind();
-            state.log.push(LogEntry { node: job.node, kind, key: job.key, id: job.id, ready, cost });
+            state.log.push(LogEntry {
+                node: job.node,
+                kind,
+                key: job.key,
+                id: job.id,
+                ready,
+                cost,
+            });
         }
         state.done(job, &outcome, cost);
     }

@@ -28,20 +28,29 @@ impl ImageNode for Ramp {
         true
     }
     fn identify(&self, grid: &Grid, id: &mut IdHasher) {
-        id.float(f64::from(self.slope)).int(grid.rect.min.x).int(grid.rect.min.y);
+        id.float(f64::from(self.slope))
+            .int(grid.rect.min.x)
+            .int(grid.rect.min.y);
     }
     fn render(&self, job: &Job, _: &[&Block], out: &mut Block) -> Result<(), RenderError> {
         let rect = job.grid.rect;
         if rect.min.x >= self.fails_from_column {
             assert!(!self.panics, "a bug in a node");
-            return Err(RenderError::Node { node: "ramp", reason: "no data here".to_owned() });
+            return Err(RenderError::Node {
+                node: "ramp",
+                reason: "no data here".to_owned(),
+            });
         }
         let (w, h) = (rect.width(), rect.height());
         for plane in 0..4 {
             let samples = out.plane_mut(plane);
             for (i, s) in samples.iter_mut().enumerate() {
                 let (x, y) = (rect.min.x + i as i64 % w, rect.min.y + i as i64 / w);
-                *s = if plane == 3 { 1.0 } else { ((x + 3 * y) % 1000) as f32 * self.slope };
+                *s = if plane == 3 {
+                    1.0
+                } else {
+                    ((x + 3 * y) % 1000) as f32 * self.slope
+                };
             }
         }
         assert_eq!(out.height() as i64, h);
@@ -51,33 +60,68 @@ impl ImageNode for Ramp {
 
 /// Two sources, each cut; the upper one adjusted; blended.
 fn graph(upper: f32, gamma: f64) -> (Arc<Graph>, NodeIndex) {
-    graph_with(Ramp { slope: upper, fails_from_column: i64::MAX, panics: false }, gamma)
+    graph_with(
+        Ramp {
+            slope: upper,
+            fails_from_column: i64::MAX,
+            panics: false,
+        },
+        gamma,
+    )
 }
 
 fn graph_with(upper: Ramp, gamma: f64) -> (Arc<Graph>, NodeIndex) {
     let mut b = GraphBuilder::default();
-    let lower = b.add(Arc::new(Ramp { slope: 1e-3, fails_from_column: i64::MAX, panics: false }), &[]);
+    let lower = b.add(
+        Arc::new(Ramp {
+            slope: 1e-3,
+            fails_from_column: i64::MAX,
+            panics: false,
+        }),
+        &[],
+    );
     b.cut(lower, SampleType::Rgba8);
     let upper = b.add(Arc::new(upper), &[]);
     b.cut(upper, SampleType::Rgba8);
-    let adjusted = b.add(Arc::new(Adjust::new(&AdjustParams { gamma, ..AdjustParams::default() })), &[upper]);
-    let root = b.add(Arc::new(Overlay::new(Default::default(), 0.5, false)), &[lower, adjusted]);
+    let adjusted = b.add(
+        Arc::new(Adjust::new(&AdjustParams {
+            gamma,
+            ..AdjustParams::default()
+        })),
+        &[upper],
+    );
+    let root = b.add(
+        Arc::new(Overlay::new(Default::default(), 0.5, false)),
+        &[lower, adjusted],
+    );
     b.cut(root, SampleType::Rgba8);
     (Arc::new(b.build()), root)
 }
 
 fn tiles(threads: usize) -> Tiles {
-    Tiles::new(TilesOptions { threads, log: true, ..TilesOptions::default() }).unwrap()
+    Tiles::new(TilesOptions {
+        threads,
+        log: true,
+        ..TilesOptions::default()
+    })
+    .unwrap()
 }
 
 fn keys() -> Vec<TileKey> {
     let level = LevelKey::new(3, 2);
-    (0..4).flat_map(|row| (0..4).map(move |c| TileKey::new(level, c, row).unwrap())).collect()
+    (0..4)
+        .flat_map(|row| (0..4).map(move |c| TileKey::new(level, c, row).unwrap()))
+        .collect()
 }
 
 fn wants(graph: &Arc<Graph>, node: NodeIndex, keys: &[TileKey]) -> Vec<Want> {
     keys.iter()
-        .map(|key| Want { graph: Arc::clone(graph), node, key: *key, id: graph.content_id(node, *key) })
+        .map(|key| Want {
+            graph: Arc::clone(graph),
+            node,
+            key: *key,
+            id: graph.content_id(node, *key),
+        })
         .collect()
 }
 
@@ -109,7 +153,11 @@ fn everything_wanted_is_made_once_with_what_it_reads() {
     let done = make(&tiles, asked);
     assert_eq!(done.len(), 16);
     let log = tiles.take_log();
-    assert_eq!(log.len(), 48, "two sources and their blend for each of 16 tiles");
+    assert_eq!(
+        log.len(),
+        48,
+        "two sources and their blend for each of 16 tiles"
+    );
     let ids: HashSet<_> = log.iter().map(|e| e.id).collect();
     assert_eq!(ids.len(), 48, "nothing is made twice");
 }
@@ -137,17 +185,32 @@ fn inputs_come_before_what_reads_them_and_wants_keep_their_order() {
     let tiles = tiles(1);
     let (graph, root) = graph(5e-4, 2.0);
     make(&tiles, wants(&graph, root, &keys()));
-    let blends: Vec<_> = tiles.take_log().iter().filter(|e| e.node == root).map(|e| e.key).collect();
+    let blends: Vec<_> = tiles
+        .take_log()
+        .iter()
+        .filter(|e| e.node == root)
+        .map(|e| e.key)
+        .collect();
     assert_eq!(blends, keys());
 }
 
 #[test]
 fn a_failure_reaches_those_who_read_it_and_nobody_else() {
     let tiles = tiles(2);
-    let (graph, root) = graph_with(Ramp { slope: 2e-3, fails_from_column: 512, panics: false }, 2.0);
+    let (graph, root) = graph_with(
+        Ramp {
+            slope: 2e-3,
+            fails_from_column: 512,
+            panics: false,
+        },
+        2.0,
+    );
     let done = make(&tiles, wants(&graph, root, &keys()));
     assert_eq!(done.len(), 16);
-    let failed = done.iter().filter(|d| matches!(d.state, TileState::Failed(_))).count();
+    let failed = done
+        .iter()
+        .filter(|d| matches!(d.state, TileState::Failed(_)))
+        .count();
     assert_eq!(failed, 8);
     tiles.take_log();
     make(&tiles, wants(&graph, root, &keys()));
@@ -160,9 +223,19 @@ fn a_failure_reaches_those_who_read_it_and_nobody_else() {
 #[test]
 fn a_panic_in_a_node_is_a_failed_tile_and_the_workers_live_on() {
     let tiles = tiles(1);
-    let (graph, root) = graph_with(Ramp { slope: 2e-3, fails_from_column: 512, panics: true }, 2.0);
+    let (graph, root) = graph_with(
+        Ramp {
+            slope: 2e-3,
+            fails_from_column: 512,
+            panics: true,
+        },
+        2.0,
+    );
     let done = make(&tiles, wants(&graph, root, &keys()));
-    let failed = done.iter().filter(|d| matches!(d.state, TileState::Failed(_))).count();
+    let failed = done
+        .iter()
+        .filter(|d| matches!(d.state, TileState::Failed(_)))
+        .count();
     assert_eq!((done.len(), failed), (16, 8));
 }
 
