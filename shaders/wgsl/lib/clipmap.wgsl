@@ -4,7 +4,7 @@
 // Needs:  the entry declares `clip_levels: array<LevelView, LEVEL_SLOTS>`; a stack of levels is
 //         `count` entries from `first`, coarse to fine.
 // Twin:   core/planet/src/clipmap/choose.rs, same names and order.
-// Source: design section 6; [CH06] 5.2; [CH07] future work 2; explicit level as in [Cra07].
+// Source: [CH06] 5.2; [CH07] future work 2; explicit level as in [Cra07].
 
 const LEVEL_SLOTS: u32 = {{LEVEL_SLOTS}}u;
 const NO_LEVEL: u32 = 0xffffffffu;

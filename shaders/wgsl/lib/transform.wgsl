@@ -3,7 +3,7 @@
 // Spaces: (u, v, 1 - w) = point of the unit sphere in focus space, u south, v east; results in
 //         radians of longitude and colatitude from the focus.
 // Twin:   core/planet/src/transform.rs, same names and order; app/gpu/tests/transform_on_device.rs.
-// Source: design section 6; replaces [CH06] 4.2 and its approximation.
+// Source: derived in core/planet/src/transform.rs; replaces [CH06] 4.2 and its approximation.
 
 // Arc tangent of 0 <= t <= 1, radians: minimax polynomial, because drivers' own atan is only good
 // to 4e-6 (22 m on Earth).

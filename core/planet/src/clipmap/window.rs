@@ -119,7 +119,7 @@ impl Window {
             .rect
             .shift(I64Vec2::new(turns * around, 0))
             .intersection(&self.rect);
-        subtract(&self.rect, &kept)
+        self.rect.minus(&kept)
     }
 
     /// Where the tile lies in the window's unwrapped indices, or `None` if it has no sample in the
@@ -173,30 +173,6 @@ fn round_to_index(x: f64) -> i64 {
 /// a / b rounded to the nearest integer, b > 0.
 fn div_round(a: i64, b: i64) -> i64 {
     (2 * a + b).div_euclid(2 * b)
-}
-
-/// `whole` without `hole` (inside it) as disjoint rectangles: full-width bands above and below,
-/// then what is left and right of the hole.
-fn subtract(whole: &SampleRect, hole: &SampleRect) -> Vec<SampleRect> {
-    if hole.is_empty() {
-        return vec![*whole];
-    }
-    let (a, b) = (whole, hole);
-    [
-        SampleRect::new(a.min, I64Vec2::new(a.max.x, b.min.y)),
-        SampleRect::new(I64Vec2::new(a.min.x, b.max.y), a.max),
-        SampleRect::new(
-            I64Vec2::new(a.min.x, b.min.y),
-            I64Vec2::new(b.min.x, b.max.y),
-        ),
-        SampleRect::new(
-            I64Vec2::new(b.max.x, b.min.y),
-            I64Vec2::new(a.max.x, b.max.y),
-        ),
-    ]
-    .into_iter()
-    .filter(|r| !r.is_empty())
-    .collect()
 }
 
 /// Splits `from..to` at the multiples of `period` inside it; nothing when it is empty.
