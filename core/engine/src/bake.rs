@@ -96,7 +96,8 @@ impl Questions {
             Some("tif" | "tiff") => self.bake_cog(bake, &plan, path, threads, progress, cancel),
             Some("png") => self.bake_png(bake, &plan, path, progress, cancel),
             _ => Err(BakeError::Region(format!(
-                "expected a name that ends in .tif or .png, found {path:?}"
+                "expected a name that ends in .tif or .png, found \"{}\"",
+                path.display()
             ))),
         }
     }
@@ -105,9 +106,8 @@ impl Questions {
         let region = |text: String| BakeError::Region(text);
         let crs = Crs::parse(&bake.crs).map_err(|e| region(e.to_string()))?;
         let [west, south, mut east, north] = bake.bounds;
-        if !bake.bounds.iter().all(|b| b.is_finite())
-            || !(bake.resolution.is_finite() && bake.resolution > 0.0)
-        {
+        let finite = bake.bounds.iter().all(|b| b.is_finite()) && bake.resolution.is_finite();
+        if !finite || bake.resolution <= 0.0 {
             return Err(region(
                 "expected finite bounds and a positive resolution".to_owned(),
             ));

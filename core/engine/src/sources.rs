@@ -233,25 +233,20 @@ impl Shared {
             ..OpenOptions::default()
         };
         if let Some(place) = &source.georeference {
-            self.place(&mut options, place, &key.path)?;
+            Self::place(&mut options, place, &key.path)?;
         }
         let file = open(&key.path, &options).map_err(|e| e.to_string())?;
         if file.info().georeference.is_none() {
             return Err(format!(
-                "expected a place on the planet, found no georeference; give the layer an extent: {:?}",
-                key.path
+                "expected a place on the planet, found no georeference; give the layer an extent: \"{}\"",
+                key.path.display()
             ));
         }
         Ok(file)
     }
 
     /// Turns what the project says of a file's place into what the reader takes.
-    fn place(
-        &self,
-        options: &mut OpenOptions,
-        place: &Georeference,
-        path: &Path,
-    ) -> Result<(), String> {
+    fn place(options: &mut OpenOptions, place: &Georeference, path: &Path) -> Result<(), String> {
         let Some(extent) = place.extent else {
             options.crs = place.crs.as_deref().map(Arc::from);
             return Ok(());
@@ -294,11 +289,11 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<(SourceKey, Source, Opt
         LayerKind::Height(l) => (&l.source, Bands::Height, l.band.map(|b| vec![b])),
         LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => return None,
     };
-    let Georeference { crs, extent, .. } = source.georeference.clone().unwrap_or(Georeference {
-        crs: None,
-        extent: None,
-        extra: Default::default(),
-    });
+    let place = source.georeference.as_ref();
+    let (crs, extent) = (
+        place.and_then(|g| g.crs.as_deref()),
+        place.and_then(|g| g.extent),
+    );
     let key = SourceKey {
         path: resolve_path(folder, &source.path),
         bands,

@@ -45,9 +45,13 @@ fn height_in_tile(key: TileKey, tile: &Tile, point: MapPoint) -> f64 {
     let corner = at.floor().min(glam::DVec2::splat(last - 1.0));
     let f = at - corner;
     let (x, y) = (corner.x as usize, corner.y as usize);
-    let h = |dx, dy| match tile.sample(x + dx, y + dy) {
-        Sample::Height(h) if h.is_finite() => f64::from(h),
-        _ => 0.0,
+    let h = |dx, dy| {
+        if let Sample::Height(h) = tile.sample(x + dx, y + dy)
+            && h.is_finite()
+        {
+            return f64::from(h);
+        }
+        0.0
     };
     let north = h(0, 0) + (h(1, 0) - h(0, 0)) * f.x;
     let south = h(0, 1) + (h(1, 1) - h(0, 1)) * f.x;
