@@ -1,5 +1,7 @@
 //! The whole way of a pixel: sample projects from their files to a picture.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 /// Needs an adapter; software Vulkan is one.
 mod on_device {
     use std::time::Duration;
@@ -40,7 +42,9 @@ mod on_device {
             uploads.append(&mut frame.uploads);
             if frame.is_converged() {
                 frame.uploads = uploads;
-                let mut encoder = gpu.device.create_command_encoder(&Default::default());
+                let mut encoder = gpu
+                    .device
+                    .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 renderer.render(&frame, &mut encoder).unwrap();
                 gpu.queue.submit([encoder.finish()]);
                 assert_eq!(engine.messages(), []);

@@ -1,5 +1,7 @@
 //! Revisions on the engine's log: what an edit makes again, and what is never made twice.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::time::Duration;
 
 use relievo_engine::planet::Camera;
@@ -259,9 +261,11 @@ fn a_drag_finishes_the_revision_in_the_making_and_then_shows_the_latest() {
         "the first edit is not starved, the second is skipped"
     );
     assert!(engine.undo().unwrap());
-    let contrast = |e: &Engine| match &e.project().layers[2].kind {
-        LayerKind::Tint(t) => t.adjust.contrast,
-        _ => 0.0,
+    let contrast = |e: &Engine| {
+        let LayerKind::Tint(tint) = &e.project().layers[2].kind else {
+            return 0.0;
+        };
+        tint.adjust.contrast
     };
     assert_eq!(contrast(&engine), 1.0, "the whole drag is one step");
 }

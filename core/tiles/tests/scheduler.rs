@@ -1,10 +1,12 @@
 //! The scheduler, tested on its log: what was made, in which order, and how often.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use relievo_graph::nodes::{Adjust, AdjustParams, Constant, Overlay};
+use relievo_graph::nodes::{Adjust, AdjustParams, BlendMode, Constant, Overlay};
 use relievo_graph::{Graph, GraphBuilder, IdHasher, ImageNode, Job, NodeIndex, RenderError};
 use relievo_planet::{Grid, LevelKey, MapPoint, TileKey};
 use relievo_raster::{Bands, Block, SampleType};
@@ -91,7 +93,7 @@ fn graph_with(upper: Ramp, gamma: f64) -> (Arc<Graph>, NodeIndex) {
         &[upper],
     );
     let root = b.add(
-        Arc::new(Overlay::new(Default::default(), 0.5, false)),
+        Arc::new(Overlay::new(BlendMode::Normal, 0.5, false)),
         &[lower, adjusted],
     );
     b.cut(root, SampleType::Rgba8);

@@ -219,7 +219,7 @@ fn imagery(ui: &mut Ui, id: &LayerId, layer: &ImageryLayer, actions: &mut Vec<Ac
     blend(ui, id, layer.blend, actions);
     source(ui, id, &layer.source, actions);
     section(ui, "Adjust", |ui| {
-        adjust::show(ui, id, &layer.adjust, actions)
+        adjust::show(ui, id, &layer.adjust, actions);
     });
 }
 
@@ -232,7 +232,7 @@ fn tint_layer(ui: &mut Ui, id: &LayerId, layer: &TintLayer, actions: &mut Vec<Ac
     blend(ui, id, layer.blend, actions);
     section(ui, "Colours", |ui| tint::show(ui, id, &layer.tint, actions));
     section(ui, "Adjust", |ui| {
-        adjust::show(ui, id, &layer.adjust, actions)
+        adjust::show(ui, id, &layer.adjust, actions);
     });
 }
 

@@ -45,12 +45,6 @@ impl Log {
     pub(crate) fn problems(&self) -> usize {
         self.0.iter().filter(|(w, _)| *w != Weight::News).count()
     }
-
-    /// The latest line.
-    #[cfg(test)]
-    pub(crate) fn last(&self) -> Option<&str> {
-        self.0.last().map(|(_, text)| text.as_str())
-    }
 }
 
 /// Draws all messages.

@@ -57,7 +57,7 @@ impl Shared {
                         state = self
                             .asked
                             .wait(state)
-                            .unwrap_or_else(PoisonError::into_inner)
+                            .unwrap_or_else(PoisonError::into_inner);
                     }
                 }
             };

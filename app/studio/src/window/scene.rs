@@ -77,10 +77,10 @@ fn light(ui: &mut Ui, sun: &Sun, actions: &mut Vec<Action>) {
         });
     };
     row(ui, &AZIMUTH, sun.azimuth_deg.rem_euclid(360.0), &|s, v| {
-        s.azimuth_deg = v
+        s.azimuth_deg = v;
     });
     row(ui, &ELEVATION, sun.elevation_deg, &|s, v| {
-        s.elevation_deg = v
+        s.elevation_deg = v;
     });
     row(ui, &AMBIENT, sun.ambient, &|s, v| s.ambient = v);
 }

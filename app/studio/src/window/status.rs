@@ -102,24 +102,21 @@ fn place(ui: &mut Ui, status: &Status, notation: &mut Notation) {
         };
     }
     ui.separator();
-    match pointed.measured {
-        Some((height_m, slope_deg, spacing_m)) => {
-            let slope = slope_deg
-                .map(|s| format!("  slope {s:.1}°"))
-                .unwrap_or_default();
-            let text = RichText::new(format!("{height_m:.1} m{slope}"));
-            let hint = format!(
-                "Height above the datum and slope, evaluated at the data's resolution ({})",
-                length(spacing_m)
-            );
-            ui.add(Label::new(text).selectable(false))
-                .on_hover_text(hint);
-        }
-        None => {
-            let text = RichText::new(format!("≈ {:.0} m", pointed.drawn_m)).weak();
-            ui.add(Label::new(text).selectable(false))
-                .on_hover_text("Height above the datum, as drawn");
-        }
+    if let Some((height_m, slope_deg, spacing_m)) = pointed.measured {
+        let slope = slope_deg
+            .map(|s| format!("  slope {s:.1}°"))
+            .unwrap_or_default();
+        let text = RichText::new(format!("{height_m:.1} m{slope}"));
+        let hint = format!(
+            "Height above the datum and slope, evaluated at the data's resolution ({})",
+            length(spacing_m)
+        );
+        ui.add(Label::new(text).selectable(false))
+            .on_hover_text(hint);
+    } else {
+        let text = RichText::new(format!("≈ {:.0} m", pointed.drawn_m)).weak();
+        ui.add(Label::new(text).selectable(false))
+            .on_hover_text("Height above the datum, as drawn");
     }
 }
 

@@ -125,7 +125,7 @@ impl Studio {
                 Ok(()) => {}
                 Err(RenderError::DeviceLost) => self.device_lost(ui.ctx()),
                 Err(error @ RenderError::Upload(_)) => {
-                    self.log.add(Weight::Error, error.to_string())
+                    self.log.add(Weight::Error, error.to_string());
                 }
             }
         }

@@ -11,6 +11,10 @@ use crate::cli::Failure;
 
 /// Wall clock times, milliseconds.
 #[derive(Serialize)]
+#[expect(
+    clippy::struct_field_names,
+    reason = "units belong into names that users read"
+)]
 pub(super) struct Timings {
     /// Opening the project and its files, pyramids included.
     pub(super) open_ms: f64,
@@ -69,10 +73,6 @@ struct Level {
 }
 
 #[derive(Serialize)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "a list of what is on, not a state"
-)]
 struct Pipeline {
     colour: bool,
     normals: bool,

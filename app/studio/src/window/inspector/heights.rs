@@ -95,10 +95,10 @@ pub(crate) fn noise(ui: &mut Ui, id: &LayerId, noise: &Noise, actions: &mut Vec<
     };
     row(ui, &AMPLITUDE, noise.amplitude_m, &|n, v| n.amplitude_m = v);
     row(ui, &WAVELENGTH, noise.wavelength_m, &|n, v| {
-        n.wavelength_m = v
+        n.wavelength_m = v;
     });
     row(ui, &OCTAVES, f64::from(noise.octaves), &|n, v| {
-        n.octaves = v as u32
+        n.octaves = v as u32;
     });
     row(ui, &GAIN, noise.gain, &|n, v| n.gain = v);
     row(ui, &LACUNARITY, noise.lacunarity, &|n, v| n.lacunarity = v);

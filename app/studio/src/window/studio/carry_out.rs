@@ -298,7 +298,7 @@ impl Studio {
                 }
             }
             Err(SaveProjectError::ChangedOnDisk { .. }) => {
-                self.dialog = Some(Dialog::ChangedOnDisk)
+                self.dialog = Some(Dialog::ChangedOnDisk);
             }
             Err(error @ (SaveProjectError::Write { .. } | SaveProjectError::Exists { .. })) => {
                 self.after_save = None;
