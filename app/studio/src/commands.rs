@@ -338,7 +338,7 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
         .flat_map(|e| e.shortcuts.iter().map(|s| (s, e.command)))
         .collect();
     // Ctrl+Shift+S is also Ctrl+S to who looks at Ctrl only.
-    all.sort_by_key(|(s, _)| core::cmp::Reverse(modifiers(*s)));
+    all.sort_by_key(|(s, _)| core::cmp::Reverse(modifiers(**s)));
     let allowed = |s: &KeyboardShortcut| {
         !typing || (s.modifiers.command && s.logical_key != Key::Z && s.logical_key != Key::Y)
     };
