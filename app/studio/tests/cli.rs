@@ -1,5 +1,7 @@
 //! The command line as scripts see it: exit codes, results, one line about what is wrong.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::path::{Path, PathBuf};
 
 use relievo_engine::raster::Cancel;

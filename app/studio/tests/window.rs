@@ -1,5 +1,7 @@
 //! The window as people use it, without a GPU: what clicks, keys and drags do to the project.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::path::PathBuf;
 
 use eframe::egui::accesskit::Role;
