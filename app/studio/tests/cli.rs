@@ -252,6 +252,7 @@ fn check_tells_every_problem_with_its_place() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table of what can be wrong")]
 fn bad_input_is_refused_in_one_line_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let text = text_file(folder.path(), "text.tif", "this is no raster");

@@ -69,7 +69,10 @@ impl Window {
     fn brightness(&self, id: &str) -> f64 {
         match &self.layers().iter().find(|l| l.id.0 == id).unwrap().kind {
             LayerKind::Tint(tint) => tint.adjust.brightness,
-            _ => panic!("a tint"),
+            other @ (LayerKind::Imagery(_)
+            | LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Unknown { .. }) => panic!("expected a tint, found {}", other.name()),
         }
     }
 
