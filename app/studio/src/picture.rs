@@ -55,6 +55,16 @@ pub(crate) fn quality(settings: &project::Quality, class: AdapterClass) -> Quali
     }
 }
 
+/// What is spent on a still, which may take longer than a frame: the finest mesh and filter on any
+/// adapter.
+pub(crate) fn still_quality(settings: &project::Quality, class: AdapterClass) -> Quality {
+    let finest = quality(settings, AdapterClass::Discrete);
+    Quality {
+        colour_window: quality(settings, class).colour_window,
+        ..finest
+    }
+}
+
 /// The view of a camera for a picture of a size.
 pub(crate) fn view(
     camera: Camera,

@@ -1,8 +1,8 @@
 //! The compiled graph: nodes, their inputs, and the cut points at which results are stored.
 //!
-//! Every request first resolves what decides the wanted samples ([`resolve`]): identities, invisible
+//! Every request first resolves what decides the wanted samples (`resolve`): identities, invisible
 //! nodes and uniform inputs drop out before any sample is made. What is left is named (content ids)
-//! or made ([`run`]).
+//! or made (`run`).
 
 mod regions;
 mod resolve;

@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
             "expected a picture of at most {most} pixels a side, found {side}"
         )));
     }
-    let quality = picture::quality(&engine.project().quality, gpu.class);
+    let quality = picture::still_quality(&engine.project().quality, gpu.class);
     let view = picture::view(camera, arguments.size, &engine.project().quality, &quality);
     let renderer =
         Renderer::new(&gpu, wgpu::TextureFormat::Rgba8Unorm, quality).map_err(Failure::input)?;
