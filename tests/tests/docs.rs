@@ -52,7 +52,11 @@ fn source_keys(text: &str) -> BTreeSet<String> {
         .filter_map(|line| line.split_once("//").map(|(_, comment)| comment));
     comments
         .flat_map(|comment| comment.split('[').skip(1))
-        .filter_map(|rest| rest.split_once(']').map(|(key, _)| key))
+        // Doc comments escape brackets, which would be links to code.
+        .filter_map(|rest| {
+            rest.split_once(']')
+                .map(|(key, _)| key.trim_end_matches('\\'))
+        })
         .filter(|key| {
             let letters = key.trim_end_matches(|c: char| c.is_ascii_digit());
             let starts_high = key.starts_with(|c: char| c.is_ascii_uppercase());
@@ -67,7 +71,7 @@ fn source_keys(text: &str) -> BTreeSet<String> {
 
 #[test]
 fn keys_are_found_in_comments_only() {
-    let code = "let a = b[AB12]; // see [CH06] 4.1 and [Cra07], [`Type12`], [u32]\n/// [W3] no";
+    let code = "let a = b[AB12]; // see [CH06] 4.1 and \\[Cra07\\], [`Type12`], [u32]\n/// [W3] no";
     assert_eq!(
         source_keys(code).into_iter().collect::<Vec<_>>(),
         ["CH06", "Cra07"]

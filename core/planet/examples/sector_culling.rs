@@ -1,5 +1,5 @@
 //! Prints how many triangles culling leaves over, and how many tiles are wanted, for the three views
-//! of [CH06] 5.2: on the ground, from an aircraft, from space, all near Lake Garda.
+//! of \[CH06\] 5.2: on the ground, from an aircraft, from space, all near Lake Garda.
 #![expect(clippy::print_stdout, reason = "an example that prints")]
 
 use std::time::Instant;

@@ -7,7 +7,7 @@
 //! resident tiles + LevelPlan --valid--> LevelView (uniforms) --choose--> level of a vertex, a fragment
 //! ```
 //!
-//! Absent: pixels, textures, caches. Source: [CH06], [CH07].
+//! Absent: pixels, textures, caches. Source: \[CH06\], \[CH07\].
 
 pub mod choose;
 pub mod cull;

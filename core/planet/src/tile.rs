@@ -17,7 +17,7 @@ pub const MAX_EXPONENT: u8 = 30;
 /// A level of the tile grid: 2^m tiles around, 2^n from pole to pole.
 ///
 /// Samples are square on the ground at the equator for m = n + 1; towards the poles m falls
-/// ([CH06] 4.1).
+/// (\[CH06\] 4.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LevelKey {
     /// Exponent of the number of tile rows (θ).

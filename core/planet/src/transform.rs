@@ -2,7 +2,7 @@
 //!
 //! A ring vertex is a point of the unit sphere in **focus** space, stored as
 //! (u, v, 1 − w) = (sin θ̃ cos φ̃, sin θ̃ sin φ̃, 2 sin²(θ̃/2)) with θ̃ its angle from the focus, +u
-//! south, +v east. [CH06] gets its colatitude as acos(p_z) − θv, which loses metres to
+//! south, +v east. \[CH06\] gets its colatitude as acos(p_z) − θv, which loses metres to
 //! cancellation; the form here subtracts nothing of like size, so that in f32 its error on the
 //! ground stays below 6·10⁻⁷ of the ring's radius at every level and colatitude.
 //!

@@ -100,7 +100,7 @@ proptest! {
         }
     }
 
-    /// [CH07] 5.2: with tiles as large as the window, split the texture at the old and the new
+    /// \[CH07\] 5.2: with tiles as large as the window, split the texture at the old and the new
     /// wrap-around position; of the nine regions exactly those with another tile are copied.
     #[test]
     fn with_windows_as_large_as_tiles_updates_are_the_nine_regions(

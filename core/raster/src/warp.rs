@@ -3,7 +3,7 @@
 //! - Samples that lie outside of the file's outline are holes (NaN, transparent). A file that runs
 //!   around the globe wraps, and reflects over a pole that it reaches.
 //! - Where the grid is coarser than the file, an overview is read and averaged with a kernel that
-//!   is round **on the ground** ([CH06] 4.3): its half-value radius is half of the sample's longer
+//!   is round **on the ground** (\[CH06\] 4.3): its half-value radius is half of the sample's longer
 //!   side in metres, so in a plate carrée file it spans 1/sin θ times as many columns near a pole.
 //!   Columns are shrunk by halves before the kernel so that it never has more than 4 × 4 taps, and
 //!   next to a pole a coarser overview bounds what is read.

@@ -41,7 +41,7 @@ struct Entry {
 /// Tiles by content id; memory stays at or below a bound at all times.
 ///
 /// When room is needed, what goes first is what is cheap to make again and far from the focus,
-/// counted in tiles of its own level, so that coarse levels count as near ([CH07] 4.2 asks for
+/// counted in tiles of its own level, so that coarse levels count as near (\[CH07\] 4.2 asks for
 /// more than the plain distance). What the latest wants name goes last.
 pub struct Cache {
     entries: HashMap<ContentId, Entry>,

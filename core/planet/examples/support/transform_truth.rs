@@ -39,9 +39,9 @@ pub(crate) const COLATITUDES: [f64; 18] = [
 pub(crate) enum Form {
     /// Without cancellation.
     Exact,
-    /// [CH06] as first printed.
+    /// \[CH06\] as first printed.
     Acos,
-    /// [CH06] eq. 11 and 14.
+    /// \[CH06\] eq. 11 and 14.
     Empirical,
 }
 

@@ -125,7 +125,7 @@ fn with_coarser(
 /// A vertex that two rings share gets the same choice from both: `rim` = 1 in one ring is `rim` = 0
 /// at the next coarser level in the other, so there is no crack.
 ///
-/// Source: [CH06] 5.2 blends between levels likewise.
+/// Source: \[CH06\] 5.2 blends between levels likewise.
 pub fn height_level_for(
     levels: &[LevelView],
     level: usize,
@@ -156,7 +156,7 @@ pub fn height_level_for(
 /// than the footprint; where texel and footprint are nearly equal it fades in over
 /// [`FOOTPRINT_BLEND_OCTAVES`]. The coarsest level is never ruled out by the footprint.
 ///
-/// Source: [CH07] future work 2; explicit level as in [Cra07].
+/// Source: \[CH07\] future work 2; explicit level as in \[Cra07\].
 pub fn colour_level_for(
     levels: &[LevelView],
     footprint_rad: f32,

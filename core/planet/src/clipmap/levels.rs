@@ -36,7 +36,7 @@ pub fn reach_rad(n: u8, size: u32) -> f64 {
 /// Largest difference of longitude from the focus inside a circle of radius `reach_rad` around it,
 /// radians: asin(sin θ̃ / sin θv), or π when the circle holds a pole.
 ///
-/// Source: tangent meridians of a small circle; cf. [CH06] 4.1, which takes the whole circle for
+/// Source: tangent meridians of a small circle; cf. \[CH06\] 4.1, which takes the whole circle for
 /// any ring that reaches a pole likewise.
 pub fn longitude_half_width(colat_rad: f64, reach_rad: f64) -> f64 {
     let pole = colat_rad.min(PI - colat_rad);
@@ -95,7 +95,7 @@ pub fn next_columns_exponent(
 /// - `pixel_rad`: angle of a pixel.
 /// - Clamped to `coarsest..=cap` (and to `coarsest` when `cap` lies below it).
 ///
-/// Source: [CH06] eq. 7; eq. 8 as printed lets triangles be as small as a ring's radius of one pixel.
+/// Source: \[CH06\] eq. 7; eq. 8 as printed lets triangles be as small as a ring's radius of one pixel.
 pub fn finest_level(
     distance_m: f64,
     pixel_rad: f64,
@@ -115,7 +115,7 @@ pub fn finest_level(
 /// - `occluder_m`: radius of the sphere of the lowest terrain, which hides what is behind it.
 /// - π when the eye is inside the occluder.
 ///
-/// Source: [CH06] eq. 5 and 6 for the eye, and once more for the terrain; may exceed π/2.
+/// Source: \[CH06\] eq. 5 and 6 for the eye, and once more for the terrain; may exceed π/2.
 pub fn horizon_rad(eye_m: f64, highest_m: f64, occluder_m: f64) -> f64 {
     if eye_m <= occluder_m {
         return PI;

@@ -7,9 +7,9 @@
 //!
 //! Along the meridian through the focus (azimuths 0 and π) vertices are doubled: one belongs to the
 //! eastern half, one to the western ([`RingVertex::side`]). Beyond a pole their longitudes from the
-//! focus are +π and −π, and a triangle must interpolate towards its own ([CH06] 4.4).
+//! focus are +π and −π, and a triangle must interpolate towards its own (\[CH06\] 4.4).
 //!
-//! Source: [CH06] 3.4, with κ < 1 so that a ring lies inside its window with room for filtering.
+//! Source: \[CH06\] 3.4, with κ < 1 so that a ring lies inside its window with room for filtering.
 
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;

@@ -1,10 +1,10 @@
-//! The map transforms that [CH06] prints, kept as comparisons for measurements only.
+//! The map transforms that \[CH06\] prints, kept as comparisons for measurements only.
 //!
 //! Nothing that draws uses them: `examples/transform_error.rs` shows what they cost.
 
 use glam::Vec2;
 
-/// [CH06] 4.2 in single precision: Δθ = acos(p_z) − θv, Δφ = atan2(v, px).
+/// \[CH06\] 4.2 in single precision: Δθ = acos(p_z) − θv, Δφ = atan2(v, px).
 ///
 /// - `vertex`: [u, v, 1 − w]; `colat_rad`: θv.
 ///
@@ -22,7 +22,7 @@ pub fn map_delta_acos_f32(vertex: [f32; 3], colat_rad: f32) -> Vec2 {
     )
 }
 
-/// [CH06] eq. 11 and 14 in single precision: Δφ ≈ v · D(θv), Δθ ≈ u, with the empirical distortion
+/// \[CH06\] eq. 11 and 14 in single precision: Δφ ≈ v · D(θv), Δθ ≈ u, with the empirical distortion
 /// D = 1 + (1/π) / (¼ − q²) − q²/6 − 4/π, q = θv/π − ½, which stands for 1 / sin θv.
 ///
 /// - `vertex`: [u, v, 1 − w]; `colat_rad`: θv.
