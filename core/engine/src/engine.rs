@@ -368,7 +368,7 @@ impl Engine {
             UPLOADS_PER_FRAME
         };
         self.update_windows(&mut budget, &mut uploads, dt_s);
-        self.ask();
+        self.ask(!dt_s.is_infinite());
         // New heights can move the focus and uncover ground, and windows take their final shape step by
         // step: the plan must fit what it led to.
         self.dirty |= self.plan.as_ref().is_some_and(|p| !p.settled);
@@ -608,8 +608,9 @@ impl Engine {
         }
     }
 
-    /// Asks the scheduler for what is missing: visible tiles first, then the rest of the windows.
-    fn ask(&mut self) {
+    /// Asks the scheduler for what is missing: visible tiles first, then the rest of the windows if
+    /// somebody may move there.
+    fn ask(&mut self, prefetch: bool) {
         if !std::mem::take(&mut self.dirty) {
             return;
         }
@@ -623,7 +624,7 @@ impl Engine {
             .iter()
             .filter(|w| !self.arrived.contains_key(&w.id))
             .count();
-        if self.making.is_none() {
+        if prefetch && self.making.is_none() {
             self.missing(&scene, plan.prefetch_tiles(), PREFETCH, &mut wants);
         }
         self.asked = wants.iter().map(|w| w.id).collect();

@@ -11,7 +11,7 @@ use parking_lot::{Condvar, Mutex};
 use relievo_graph::{ContentId, Graph, NodeIndex, RenderError};
 use relievo_planet::{MapPoint, TileKey};
 use relievo_raster::{Cancel, Tile};
-use thread_priority::{ThreadPriority, set_current_thread_priority};
+use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
 use crate::cache::{Cache, TileState};
 use crate::log::LogEntry;
@@ -150,7 +150,7 @@ impl Tiles {
         for n in 0..options.threads.max(1) {
             tiles.spawn(format!("relievo-worker-{n}"), |shared| {
                 // Refused in some sandboxes; the work is the same, only less polite.
-                if let Err(error) = set_current_thread_priority(ThreadPriority::Min) {
+                if let Err(error) = set_current_thread_priority(below_normal()) {
                     tracing::debug!("workers keep their priority: {error:?}");
                 }
                 shared.work_on();
@@ -253,6 +253,12 @@ impl Drop for Tiles {
             }
         }
     }
+}
+
+/// A little below normal: drawing comes first, but where the processor draws, too, the lowest
+/// priority would leave nothing for tiles at all.
+fn below_normal() -> ThreadPriority {
+    ThreadPriorityValue::try_from(40).map_or(ThreadPriority::Min, ThreadPriority::Crossplatform)
 }
 
 /// Makes a tile. A panic in a node is a bug, but one tile's: it must not take a worker with it and
