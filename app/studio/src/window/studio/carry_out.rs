@@ -36,17 +36,20 @@ impl Studio {
     /// Carries out what a panel asks for.
     pub(super) fn carry_out(&mut self, action: Action, ctx: &egui::Context) {
         match action {
-            Action::Edit(_) if self.dragging == Dragging::TakenBack => {}
+            Action::Edit(_) | Action::BeginDrag if self.dragging == Dragging::TakenBack => {}
             Action::Edit(edit) => self.edit(edit),
             Action::BeginDrag => {
                 self.document.begin_drag();
                 self.dragging = Dragging::Yes;
             }
             Action::EndDrag => {
-                if self.dragging == Dragging::Yes {
+                // egui ends a drag at Escape by itself, while the button is still down.
+                if self.dragging == Dragging::Yes
+                    && !ctx.input(|i| i.key_pressed(egui::Key::Escape))
+                {
                     self.document.end_drag();
+                    self.dragging = Dragging::No;
                 }
-                self.dragging = Dragging::No;
             }
             Action::Select(id) => {
                 self.selected = id;
