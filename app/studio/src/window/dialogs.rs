@@ -241,7 +241,9 @@ fn field(
 
 fn help(ui: &mut Ui) -> Option<Answer> {
     ui.heading("Commands and keys");
-    ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+    // The button below must stay on the screen of a small window, too.
+    let most = (ui.ctx().content_rect().height() - 180.0).clamp(80.0, 460.0);
+    ScrollArea::vertical().max_height(most).show(ui, |ui| {
         ui.add_space(4.0);
         ui.strong("Moving");
         let moving = [
