@@ -1,0 +1,113 @@
+//! Tiles: asked of the scheduler, taken back when they are finished, put into windows.
+
+use std::sync::Arc;
+
+use relievo_graph::ContentId;
+use relievo_planet::TileKey;
+use relievo_planet::clipmap::ClipKind as PlanKind;
+use relievo_tiles::{TileState, Want};
+
+use super::Engine;
+use crate::frame::{ClipKind, Upload};
+use crate::scene::Scene;
+
+/// Tiles asked for beyond what is visible.
+const PREFETCH: usize = 384;
+
+impl Engine {
+    pub(super) fn take_finished(&mut self) {
+        for done in self.tiles.take_finished() {
+            if let TileState::Failed(error) = &done.state {
+                self.messages.tile_failed(error);
+            }
+            if self.asked.contains(&done.id) {
+                self.arrived.insert(done.id, done.state);
+                self.dirty = true;
+            }
+        }
+    }
+
+    pub(super) fn update_windows(
+        &mut self,
+        budget: &mut usize,
+        uploads: &mut Vec<Upload>,
+        dt_s: f32,
+    ) {
+        let shown = Arc::clone(&self.shown);
+        let (arrived, tiles) = (&self.arrived, &self.tiles);
+        let mut left = false;
+        for (kind, stack) in self.stacks.each_mut() {
+            if let (true, Some(root)) = (self.dirty, shown.root(kind)) {
+                let find = |id| arrived.get(&id).cloned().or_else(|| tiles.get(id));
+                left |= stack.update(|key| shown.name(root, key), find, budget, uploads);
+            }
+            stack.settle(dt_s);
+        }
+        if !left && self.making.is_none() {
+            self.arrived.clear();
+        }
+    }
+
+    /// Asks the scheduler for what is missing: visible tiles first, then the rest of the windows if
+    /// somebody may move there.
+    pub(super) fn ask(&mut self, prefetch: bool) {
+        if !std::mem::take(&mut self.dirty) {
+            return;
+        }
+        let scene = Arc::clone(self.target());
+        let Some(plan) = self.plan.clone() else {
+            return;
+        };
+        let mut wants: Vec<Want> = Vec::new();
+        self.missing(&scene, plan.wanted_tiles(), usize::MAX, &mut wants);
+        self.pending = wants
+            .iter()
+            .filter(|w| !self.arrived.contains_key(&w.id))
+            .count();
+        if prefetch && self.making.is_none() {
+            self.missing(&scene, plan.prefetch_tiles(), PREFETCH, &mut wants);
+        }
+        self.asked = wants.iter().map(|w| w.id).collect();
+        let asked = &self.asked;
+        self.arrived.retain(|id, _| asked.contains(id));
+        wants.retain(|w| !self.arrived.contains_key(&w.id));
+        self.tiles.want(wants, plan.focus);
+    }
+
+    fn missing(
+        &self,
+        scene: &Scene,
+        tiles: Vec<(PlanKind, TileKey)>,
+        most: usize,
+        wants: &mut Vec<Want>,
+    ) {
+        let end = wants.len().saturating_add(most);
+        for (kind, key) in tiles {
+            for (kind, key, id) in named(scene, kind, key) {
+                if wants.len() >= end {
+                    return;
+                }
+                if let (false, Some(root)) =
+                    (self.stacks.get(kind).holds(key, id), scene.root(kind))
+                {
+                    wants.push(scene.want(root, key));
+                }
+            }
+        }
+    }
+}
+
+/// The clipmap tiles behind a planned one, with their names.
+pub(super) fn named(
+    scene: &Scene,
+    kind: PlanKind,
+    key: TileKey,
+) -> impl Iterator<Item = (ClipKind, TileKey, ContentId)> + '_ {
+    let kinds: &[ClipKind] = match kind {
+        PlanKind::Heights => &[ClipKind::Height],
+        PlanKind::Colours => &[ClipKind::Colour, ClipKind::Normal],
+    };
+    kinds
+        .iter()
+        .filter_map(move |k| Some((*k, key, scene.name(scene.root(*k)?, key))))
+}

@@ -1,0 +1,107 @@
+//! The project behind an engine: edited, undone, opened, saved.
+//!
+//! Invariant: nothing else changes a project. What an edit touches decides what is made again.
+
+use std::path::Path;
+
+use relievo_project::{Affects, Aspect, Edit, EditError, FileStamp, Replace, SaveProjectError};
+
+use super::Engine;
+use super::options::{EngineOptions, OpenError, folder_of};
+
+impl Engine {
+    /// Applies an edit: the only way to change a project. The picture follows as tiles get ready.
+    ///
+    /// # Errors
+    /// When the edit does not fit the project; nothing has changed then.
+    pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        let affects = edit.affects();
+        self.history.apply(&mut self.project, edit)?;
+        self.changed(&affects);
+        Ok(())
+    }
+
+    /// Starts a drag: all edits until [`Self::end_drag`] are one undo step.
+    pub fn begin_drag(&mut self) {
+        self.history.begin_drag(&self.project);
+    }
+
+    /// Ends a drag.
+    pub fn end_drag(&mut self) {
+        self.history.end_drag(&self.project);
+    }
+
+    /// Ends a drag and takes it back.
+    pub fn cancel_drag(&mut self) {
+        if let Some(edit) = self.history.cancel_drag(&mut self.project) {
+            self.changed(&edit.affects());
+        }
+    }
+
+    /// Takes the last edit back; `false` if there is none.
+    ///
+    /// # Errors
+    /// When the step does not fit the project any more; it is gone then.
+    pub fn undo(&mut self) -> Result<bool, EditError> {
+        let edit = self.history.undo(&mut self.project)?;
+        Ok(edit.inspect(|e| self.changed(&e.affects())).is_some())
+    }
+
+    /// Makes the last undone edit again; `false` if there is none.
+    ///
+    /// # Errors
+    /// When the step does not fit the project any more; it is gone then.
+    pub fn redo(&mut self) -> Result<bool, EditError> {
+        let edit = self.history.redo(&mut self.project)?;
+        Ok(edit.inspect(|e| self.changed(&e.affects())).is_some())
+    }
+
+    /// Opens a project file.
+    ///
+    /// # Errors
+    /// [`OpenError`] when the file cannot be read or is no project, or the system refuses a thread.
+    pub fn open(path: &Path, options: EngineOptions) -> Result<(Self, FileStamp), OpenError> {
+        let (project, stamp) = relievo_project::open(path)?;
+        let engine = Self::new(project, folder_of(path), options).map_err(OpenError::Threads)?;
+        Ok((engine, stamp))
+    }
+
+    /// Saves the project, whole or not at all. In another folder than before, relative paths are
+    /// rewritten so that they still lead to the same files.
+    ///
+    /// # Errors
+    /// [`SaveProjectError`]; the file on disk is then untouched.
+    pub fn save(&mut self, path: &Path, replace: Replace) -> Result<FileStamp, SaveProjectError> {
+        let folder = folder_of(path);
+        if folder == self.folder {
+            return relievo_project::save_atomic(path, &self.project, replace);
+        }
+        let moved = self.project.rebased(&self.folder, folder);
+        let stamp = relievo_project::save_atomic(path, &moved, replace)?;
+        self.history.rebase(&self.folder, folder);
+        self.project = moved;
+        folder.clone_into(&mut self.folder);
+        self.sources.require(&self.project, &self.folder);
+        Ok(stamp)
+    }
+
+    fn changed(&mut self, affects: &[Affects]) {
+        for affect in affects {
+            match affect {
+                Affects::Layer { aspect, .. } if !aspect.is_visible() => {}
+                Affects::Layer { id, aspect } => {
+                    self.stale = true;
+                    let edits_value =
+                        matches!(aspect, Aspect::Adjust | Aspect::Opacity | Aspect::Blend);
+                    self.pinned = edits_value.then(|| id.clone());
+                }
+                Affects::Planet | Affects::Exaggeration => {
+                    self.stale = true;
+                    self.dirty = true;
+                }
+                Affects::Camera | Affects::Sun | Affects::Quality => self.dirty = true,
+            }
+        }
+        self.sources.require(&self.project, &self.folder);
+    }
+}

@@ -1,0 +1,70 @@
+//! How an engine works and what it reports of itself.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use relievo_project::OpenProjectError;
+
+/// How an engine works.
+pub struct EngineOptions {
+    /// Worker threads; `None`: all cores but one.
+    pub threads: Option<usize>,
+    /// Bound of the tile cache in bytes.
+    pub memory: usize,
+    /// Where pyramids of big images are kept; `None`: nowhere, they are made in memory.
+    pub cache_folder: Option<PathBuf>,
+    /// Whether [`Engine::take_log`](super::Engine::take_log) records which tiles were made.
+    pub log: bool,
+    /// Called from other threads when there is something to drain.
+    pub wake: Option<Arc<dyn Fn() + Send + Sync>>,
+}
+
+impl Default for EngineOptions {
+    /// All cores but one, 1 GiB, the user's cache folder.
+    fn default() -> Self {
+        Self {
+            threads: None,
+            memory: 1 << 30,
+            cache_folder: default_cache_folder(),
+            log: false,
+            wake: None,
+        }
+    }
+}
+
+/// The user's cache folder for Relievo, where the system has one.
+pub fn default_cache_folder() -> Option<PathBuf> {
+    directories::ProjectDirs::from("", "", "relievo").map(|d| d.cache_dir().to_owned())
+}
+
+/// Why a project could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The file.
+    #[error(transparent)]
+    Project(#[from] OpenProjectError),
+    /// The system.
+    #[error("cannot start the threads that make tiles: {0}")]
+    Threads(std::io::Error),
+}
+
+/// The folder that a project's relative paths start at.
+pub fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// What the engine is doing and did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EngineStats {
+    /// The scheduler and its cache.
+    pub tiles: relievo_tiles::Stats,
+    /// Visible tiles that are still to come.
+    pub pending: usize,
+    /// Files that are being opened.
+    pub opening: usize,
+    /// Time all workers together spent making tiles, nanoseconds.
+    pub busy_ns: u128,
+}

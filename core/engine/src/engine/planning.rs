@@ -1,0 +1,72 @@
+//! From a view to windows: which clip levels are shown, and where they lie.
+
+use std::sync::Arc;
+
+use relievo_planet::clipmap::plan::{PlanInput, Quality};
+
+use super::{Engine, HEIGHT_WINDOW};
+use crate::frame::ClipKind;
+use crate::terrain::{self, Bounds};
+use crate::view::View;
+
+impl Engine {
+    /// What a plan depends on beside the view: bounds of the drawn terrain, and its height below the
+    /// eye.
+    pub(super) fn ground(&self, view: &View) -> (Bounds, f64) {
+        (
+            terrain::bounds(&self.stacks.height),
+            self.ground_m(view.camera.map_point()),
+        )
+    }
+
+    pub(super) fn replan(&mut self, view: &View) {
+        if !self.dirty && self.plan.as_ref().is_some_and(|p| p.settled) {
+            return;
+        }
+        let settings = &self.project.planet;
+        let planet = settings.body.figure();
+        let below = view.camera.map_point();
+        let (terrain, ground_m) = self.ground(view);
+        self.planned_on = (terrain, ground_m);
+        let near = self.plan.as_ref().map_or(below, |p| p.focus);
+        let target = self.target();
+        let finest_height = target.finest_near(near, HEIGHT_WINDOW);
+        let finest_colour = target.finest_near(near, view.colour_window);
+        let plan = self.planner.plan(&PlanInput {
+            camera: view.camera,
+            planet,
+            viewport_px: view.viewport_px,
+            ground_m,
+            terrain: &terrain,
+            exaggeration: settings.vertical_exaggeration,
+            quality: Quality {
+                height_samples: HEIGHT_WINDOW,
+                colour_samples: view.colour_window,
+                height_texel_px: view.height_texel_px,
+                colour_texel_px: view.colour_texel_px,
+                finest_height_level: finest_height,
+                finest_colour_level: finest_colour,
+            },
+        });
+        let shown = Arc::clone(&self.shown);
+        let (arrived, tiles) = (&self.arrived, &self.tiles);
+        for (kind, stack) in self.stacks.each_mut() {
+            let Some(root) = shown.root(kind) else {
+                stack.clear();
+                continue;
+            };
+            let levels = if kind == ClipKind::Height {
+                &plan.heights
+            } else {
+                &plan.colours
+            };
+            stack.follow(levels, plan.focus, |level| {
+                level.wanted_tiles().into_iter().all(|key| {
+                    let id = shown.name(root, key);
+                    arrived.contains_key(&id) || tiles.get(id).is_some()
+                })
+            });
+        }
+        self.plan = Some(Arc::new(plan));
+    }
+}

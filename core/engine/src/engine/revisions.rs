@@ -1,0 +1,71 @@
+//! Revisions: the one that is shown, and the one that is being made behind it.
+//!
+//! Invariant: a revision is published only when everything that it would replace on the screen is
+//! there, and one that is being made is finished before the next one starts.
+
+use std::sync::Arc;
+
+use relievo_graph::ContentId;
+use relievo_planet::TileKey;
+
+use super::Engine;
+use super::asking::named;
+use crate::compile;
+use crate::frame::ClipKind;
+use crate::scene::Scene;
+
+impl Engine {
+    /// Starts making the project's current state unless a revision is being made already: that one
+    /// is finished first, so a drag cannot starve the fine levels.
+    pub(super) fn recompile(&mut self) {
+        if self.sources.take_changed() {
+            self.stale = true;
+        }
+        if !self.stale || self.making.is_some() {
+            return;
+        }
+        self.stale = false;
+        self.revisions += 1;
+        let compiled = compile::compile(
+            &self.project,
+            &self.folder,
+            &self.sources,
+            &self.nodes,
+            self.pinned.as_ref(),
+        );
+        self.messages.replace_sources(&compiled.problems);
+        self.making = Some(Arc::new(compiled.into_scene(self.revisions)));
+        self.dirty = true;
+    }
+
+    /// The revision that new tiles are made for.
+    pub(super) fn target(&self) -> &Arc<Scene> {
+        self.making.as_ref().unwrap_or(&self.shown)
+    }
+
+    /// Whether everything that a new revision would replace on the screen is there.
+    pub(super) fn is_ready(&self, scene: &Scene) -> bool {
+        self.visible(scene).all(|(kind, key, id)| {
+            let stack = self.stacks.get(kind);
+            !stack.shows(key) || stack.holds(key, id) || self.arrived.contains_key(&id)
+        })
+    }
+
+    /// Names of all visible tiles under a revision.
+    fn visible<'a>(
+        &'a self,
+        scene: &'a Scene,
+    ) -> impl Iterator<Item = (ClipKind, TileKey, ContentId)> + 'a {
+        self.plan
+            .iter()
+            .flat_map(|p| p.wanted_tiles())
+            .flat_map(move |(kind, key)| named(scene, kind, key))
+    }
+
+    pub(super) fn publish(&mut self) {
+        if let Some(scene) = self.making.take() {
+            self.shown = scene;
+            self.dirty = true;
+        }
+    }
+}
