@@ -38,6 +38,11 @@ pub(crate) struct NodeCache {
 }
 
 impl NodeCache {
+    /// Number of nodes and geometries that are kept.
+    pub(crate) fn len(&self) -> usize {
+        self.nodes.lock().len() + self.warps.lock().len()
+    }
+
     fn get(
         &self,
         used: &mut BTreeMap<String, Arc<dyn ImageNode>>,

@@ -20,7 +20,9 @@ use relievo_planet::clipmap::{Plan, Planner};
 use relievo_project::{History, LayerId, Project};
 use relievo_tiles::{LogEntry, TileState, Tiles, TilesOptions};
 
-pub use self::options::{EngineOptions, EngineStats, OpenError, default_cache_folder, folder_of};
+pub use self::options::{
+    EngineOptions, EngineStats, Kept, OpenError, default_cache_folder, folder_of,
+};
 use crate::compile::{self, NodeCache};
 use crate::frame::{ClipKind, Frame};
 use crate::message::{Message, Messages};
@@ -64,6 +66,8 @@ pub struct Engine {
     asked: HashSet<ContentId>,
     dirty: bool,
     pending: usize,
+    /// A visible tile waits for a file to be opened again.
+    stuck: bool,
 }
 
 struct Stacks {
@@ -107,7 +111,7 @@ impl Engine {
         if let Some(wake) = options.wake.clone() {
             tile_options.wake = Some(Box::new(move || wake()));
         }
-        let sources = Sources::new(options.cache_folder, options.wake)?;
+        let sources = Sources::new(options.cache_folder, options.wake, options.watch)?;
         let nodes = NodeCache::default();
         let empty = compile::compile(&Project::default(), folder, &sources, &nodes, None);
         let engine = Self {
@@ -142,6 +146,7 @@ impl Engine {
             asked: HashSet::new(),
             dirty: true,
             pending: 0,
+            stuck: false,
         };
         engine.sources.require(&engine.project, &engine.folder);
         Ok(engine)
@@ -165,11 +170,17 @@ impl Engine {
     /// Tries files and tiles again that failed before.
     pub fn retry(&mut self) {
         self.sources.forget_failures();
-        self.tiles.forget_failures();
+        self.forget_failed_tiles();
         self.sources.require(&self.project, &self.folder);
         self.messages.clear();
         self.stale = true;
-        self.dirty = true;
+    }
+
+    /// Looks at all files once, as happens every [`EngineOptions::watch`]. When two looks agree that
+    /// a file changed on disk it is opened again. Reads no samples, but may take long where a
+    /// network does not answer.
+    pub fn look_at_files(&self) {
+        self.sources.look();
     }
 
     /// Sets what the picture is seen through. Returns at once.
@@ -186,6 +197,7 @@ impl Engine {
             stack.clear();
         }
         self.plan = None;
+        self.planner = Planner::default();
         self.dirty = true;
     }
 
@@ -243,7 +255,7 @@ impl Engine {
         while self.sources.opening() > 0 {
             self.sources.wait(Duration::from_millis(100));
         }
-        self.sources.take_changed();
+        self.hear_of_sources();
         self.stale = true;
         self.recompile();
     }
@@ -293,6 +305,25 @@ impl Engine {
             pending: self.pending,
             opening: self.sources.opening(),
             busy_ns: self.tiles.busy().as_nanos(),
+            kept: self.kept(),
+        }
+    }
+
+    fn kept(&self) -> Kept {
+        let stacks = [
+            &self.stacks.height,
+            &self.stacks.colour,
+            &self.stacks.normal,
+        ];
+        let making = self.making.as_ref().map_or(0, |scene| scene.names());
+        Kept {
+            resident: stacks.iter().map(|s| s.tiles()).sum(),
+            arrived: self.arrived.len(),
+            asked: self.asked.len(),
+            names: self.shown.names() + making,
+            files: self.sources.len(),
+            nodes: self.nodes.len(),
+            messages: self.messages.all().len(),
         }
     }
 

@@ -9,6 +9,7 @@ pub mod engine;
 pub mod frame;
 mod message;
 pub mod query;
+pub mod relink;
 mod residency;
 mod scene;
 mod sources;
@@ -16,7 +17,9 @@ mod terrain;
 mod view;
 
 pub use bake::{Bake, BakeError, Output};
-pub use engine::{Engine, EngineOptions, EngineStats, OpenError, default_cache_folder, folder_of};
+pub use engine::{
+    Engine, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder, folder_of,
+};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};

@@ -57,6 +57,11 @@ impl Messages {
         }
     }
 
+    /// Forgets what tiles said: their causes may be gone.
+    pub(crate) fn forget_tiles(&mut self) {
+        self.all.truncate(self.sources);
+    }
+
     pub(crate) fn replace_sources(&mut self, problems: &[Message]) {
         self.all.splice(..self.sources, problems.iter().cloned());
         self.sources = problems.len();

@@ -50,6 +50,8 @@ struct Slot {
     covered: SampleRect,
     /// Kept where the CPU asks for samples too: heights under the camera and the pointer.
     tile: Option<Arc<Tile>>,
+    /// Whether it stands in for a tile that cannot be made.
+    failed: bool,
 }
 
 impl Stack {
@@ -126,6 +128,20 @@ impl Stack {
             left |= level.update(self.kind, layer as u32, &name, &find, budget, uploads);
         }
         left
+    }
+
+    /// Forgets what stands in for tiles that could not be made, so that they are asked for again.
+    pub(crate) fn forget_failures(&mut self) {
+        for level in &mut self.levels {
+            let before = level.slots.len();
+            level.slots.retain(|_, slot| !slot.failed);
+            level.touched |= level.slots.len() != before;
+        }
+    }
+
+    /// Number of tiles that the levels hold parts of.
+    pub(crate) fn tiles(&self) -> usize {
+        self.levels.iter().map(|l| l.slots.len()).sum()
     }
 
     /// Advances fades and takes up newly valid rectangles. `dt_s` is the time since the last call;
@@ -267,9 +283,9 @@ impl Level {
                 continue;
             }
             *budget -= 1;
-            let tile = match state {
-                TileState::Ready(tile) => tile,
-                TileState::Failed(_) => stand_in(kind),
+            let (tile, failed) = match state {
+                TileState::Ready(tile) => (tile, false),
+                TileState::Failed(_) => (stand_in(kind), true),
             };
             for missing in needed.minus(&covered) {
                 for piece in self
@@ -294,6 +310,7 @@ impl Level {
                     id,
                     covered: needed,
                     tile,
+                    failed,
                 },
             );
             self.touched = true;

@@ -125,6 +125,11 @@ impl Scene {
         id
     }
 
+    /// Number of names that are remembered.
+    pub(crate) fn names(&self) -> usize {
+        self.names.lock().len()
+    }
+
     /// What to ask the scheduler for.
     pub(crate) fn want(&self, node: NodeIndex, key: TileKey) -> Want {
         Want {

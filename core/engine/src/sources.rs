@@ -1,4 +1,11 @@
 //! The files behind layers: opened in the background, each once, and kept while a layer names them.
+//!
+//! A file that changes on disk is noticed by looking at its path now and then, and opened again; it
+//! has another fingerprint then, so that exactly what depends on it is made again. Until the new
+//! one is open the old one stays, so that a file that is being written shows no errors.
+
+mod opening;
+mod watch;
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -6,12 +13,15 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use parking_lot::{Condvar, Mutex};
-use relievo_project::{Georeference, LayerKind, Project, Source, resolve_path};
+use relievo_graph::RenderError;
+use relievo_project::{LayerKind, Project, Source, resolve_path};
 use relievo_raster::chunk_cache::ChunkCache;
-use relievo_raster::open::{DEFAULT_CHUNK_CACHE_BYTES, OpenOptions, open};
+use relievo_raster::open::DEFAULT_CHUNK_CACHE_BYTES;
 use relievo_raster::{Bands, Cancel, RasterFile};
+
+use self::watch::{Attempt, Found, Step, Watch};
 
 /// Files that may wait to be opened; more wait for the next call of `require`.
 const WAITING: usize = 256;
@@ -33,68 +43,119 @@ pub(crate) struct SourceKey {
 pub enum SourceState {
     /// Being opened; 0 to 1 while a pyramid is made.
     Opening(f32),
-    /// Ready to read.
+    /// Ready to read. Where the file changed on disk it stays so until the new one is open.
     Open(Arc<dyn RasterFile>),
-    /// Cannot be opened: one line that says why.
+    /// Cannot be opened, or is gone: one line that says why.
     Failed(String),
 }
 
-struct State {
-    files: HashMap<SourceKey, SourceState>,
-    changed: bool,
+/// What happened to files since they were last asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum News {
+    /// Nothing.
+    #[default]
+    None,
+    /// Files were opened or refused for the first time.
+    Opened,
+    /// Files changed: what could not be read of them may be readable now, and the other way round.
+    Replaced,
 }
 
-struct Shared {
-    state: Mutex<State>,
-    settled: Condvar,
-    cancel: Cancel,
-    /// Decoded parts of all files.
-    chunks: Arc<ChunkCache>,
-    cache_folder: Option<PathBuf>,
-    wake: Option<Arc<dyn Fn() + Send + Sync>>,
-}
-
+/// How a file is opened.
+#[derive(Clone)]
 struct Request {
     key: SourceKey,
     source: Source,
     bands: Option<Vec<u16>>,
 }
 
+/// A file that some layer names.
+struct Slot {
+    state: SourceState,
+    request: Request,
+    /// Whether an opener has it, or will.
+    queued: bool,
+    watch: Watch,
+}
+
+#[derive(Default)]
+struct State {
+    files: HashMap<SourceKey, Slot>,
+    news: News,
+}
+
+struct Shared {
+    state: Mutex<State>,
+    settled: Condvar,
+    cancel: Cancel,
+    /// Whether somebody looks at the files now and then.
+    watching: bool,
+    /// Decoded parts of all files.
+    chunks: Arc<ChunkCache>,
+    cache_folder: Option<PathBuf>,
+    wake: Option<Arc<dyn Fn() + Send + Sync>>,
+}
+
 /// All files that the project's layers name.
 pub struct Sources {
     shared: Arc<Shared>,
     requests: Option<Sender<Request>>,
+    /// Ends the thread that looks at files when it is dropped.
+    looking: Option<Sender<()>>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl Sources {
+    /// - `watch`: how often files are looked at; `None`: only by [`Self::look`], and a file that
+    ///   changes while it is read is an error then.
     pub(crate) fn new(
         cache_folder: Option<PathBuf>,
         wake: Option<Arc<dyn Fn() + Send + Sync>>,
+        watch: Option<Duration>,
     ) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
-            state: Mutex::new(State {
-                files: HashMap::new(),
-                changed: false,
-            }),
+            state: Mutex::default(),
             settled: Condvar::new(),
             cancel: Cancel::default(),
+            watching: watch.is_some(),
             chunks: Arc::new(ChunkCache::new(DEFAULT_CHUNK_CACHE_BYTES)),
             cache_folder,
             wake,
         });
         let (sender, receiver) = bounded::<Request>(WAITING);
-        let mut threads = Vec::new();
-        for n in 0..OPENERS {
-            let (shared, receiver) = (Arc::clone(&shared), receiver.clone());
-            let thread = std::thread::Builder::new().name(format!("relievo-opener-{n}"));
-            threads.push(thread.spawn(move || shared.open_all(&receiver))?);
-        }
-        Ok(Self {
+        let mut sources = Self {
             shared,
-            requests: Some(sender),
-            threads,
-        })
+            requests: Some(sender.clone()),
+            looking: None,
+            threads: Vec::new(),
+        };
+        for n in 0..OPENERS {
+            let receiver = receiver.clone();
+            sources.spawn(format!("relievo-opener-{n}"), move |shared| {
+                shared.open_all(&receiver);
+            })?;
+        }
+        if let Some(every) = watch {
+            let (end, ended) = bounded::<()>(0);
+            sources.looking = Some(end);
+            sources.spawn("relievo-looker".to_owned(), move |shared| {
+                while ended.recv_timeout(every) == Err(RecvTimeoutError::Timeout) {
+                    shared.look(&sender);
+                }
+            })?;
+        }
+        Ok(sources)
+    }
+
+    fn spawn(
+        &mut self,
+        name: String,
+        body: impl FnOnce(&Arc<Shared>) + Send + 'static,
+    ) -> std::io::Result<()> {
+        let shared = Arc::clone(&self.shared);
+        let thread = std::thread::Builder::new().name(name);
+        self.threads.push(thread.spawn(move || body(&shared))?);
+        Ok(())
     }
 
     /// Opens what the project's layers name and is not open yet; forgets what none names.
@@ -102,24 +163,25 @@ impl Sources {
         let mut state = self.shared.state.lock();
         let mut named = HashSet::new();
         for layer in &project.layers {
-            let Some((key, source, bands)) = request_of(&layer.kind, folder) else {
+            let Some(request) = request_of(&layer.kind, folder) else {
                 continue;
             };
-            named.insert(key.clone());
-            if state.files.contains_key(&key) {
+            named.insert(request.key.clone());
+            if state.files.contains_key(&request.key) {
                 continue;
             }
-            let request = Request {
-                key: key.clone(),
-                source,
-                bands,
-            };
             if self
                 .requests
                 .as_ref()
-                .is_some_and(|r| r.try_send(request).is_ok())
+                .is_some_and(|r| r.try_send(request.clone()).is_ok())
             {
-                state.files.insert(key, SourceState::Opening(0.0));
+                let slot = Slot {
+                    state: SourceState::Opening(0.0),
+                    request,
+                    queued: true,
+                    watch: Watch::default(),
+                };
+                state.files.insert(slot.request.key.clone(), slot);
             }
         }
         // An opener that is still busy with a forgotten file drops its result.
@@ -132,41 +194,68 @@ impl Sources {
             .state
             .lock()
             .files
-            .retain(|_, s| !matches!(s, SourceState::Failed(_)));
+            .retain(|_, slot| !matches!(slot.state, SourceState::Failed(_)));
+    }
+
+    /// Looks at all files now, as the looking thread does. Two looks that agree that a file changed
+    /// have it opened again.
+    pub(crate) fn look(&self) {
+        if let Some(requests) = &self.requests {
+            self.shared.look(requests);
+        }
+    }
+
+    /// The file whose change on disk is why a tile could not be made, where looks will lead to its
+    /// being opened again.
+    pub(crate) fn changed_file<'e>(&self, error: &'e RenderError) -> Option<&'e Path> {
+        match error {
+            RenderError::Read(error) if self.shared.watching && error.is_change() => error.path(),
+            RenderError::Read(_) | RenderError::Cancelled | RenderError::Node { .. } => None,
+        }
+    }
+
+    /// A read found that a file is not what it was when it was opened.
+    pub(crate) fn distrust(&self, path: &Path) {
+        let mut state = self.shared.state.lock();
+        #[expect(
+            clippy::iter_over_hash_type,
+            reason = "sets a flag on each entry: order cannot matter"
+        )]
+        for slot in state.files.values_mut() {
+            if slot.request.key.path == path && !slot.queued {
+                slot.watch.distrust();
+            }
+        }
     }
 
     /// The state of a layer's file; `None` for layers without one.
     pub fn state(&self, kind: &LayerKind, folder: &Path) -> Option<SourceState> {
-        let (key, ..) = request_of(kind, folder)?;
+        let key = request_of(kind, folder)?.key;
         let state = self.shared.state.lock();
-        Some(
-            state
-                .files
-                .get(&key)
-                .cloned()
-                .unwrap_or(SourceState::Opening(0.0)),
-        )
+        let slot = state.files.get(&key);
+        Some(slot.map_or(SourceState::Opening(0.0), |s| s.state.clone()))
     }
 
-    /// Number of files that are being opened.
+    /// Number of files that are being opened, for the first time or again.
     pub fn opening(&self) -> usize {
         let state = self.shared.state.lock();
-        state
-            .files
-            .values()
-            .filter(|s| matches!(s, SourceState::Opening(_)))
-            .count()
+        state.files.values().filter(|s| s.queued).count()
     }
 
-    /// Whether a file was opened or refused since the last call.
-    pub(crate) fn take_changed(&self) -> bool {
-        std::mem::take(&mut self.shared.state.lock().changed)
+    /// Number of files that are kept.
+    pub(crate) fn len(&self) -> usize {
+        self.shared.state.lock().files.len()
+    }
+
+    /// What happened since the last call.
+    pub(crate) fn take_news(&self) -> News {
+        std::mem::take(&mut self.shared.state.lock().news)
     }
 
     /// Waits until a file is opened or refused, or the time is over.
     pub(crate) fn wait(&self, timeout: Duration) {
         let mut state = self.shared.state.lock();
-        if !state.changed {
+        if state.news == News::None {
             self.shared.settled.wait_for(&mut state, timeout);
         }
     }
@@ -175,6 +264,7 @@ impl Sources {
 impl Drop for Sources {
     fn drop(&mut self) {
         self.shared.cancel.cancel();
+        self.looking = None;
         self.requests = None;
         for thread in self.threads.drain(..) {
             if thread.join().is_err() {
@@ -185,20 +275,38 @@ impl Drop for Sources {
 }
 
 impl Shared {
+    /// An opener: takes requests until there is nobody left to make one.
     fn open_all(self: &Arc<Self>, requests: &Receiver<Request>) {
         for request in requests {
             if self.cancel.is_cancelled() {
                 return;
             }
-            let key = request.key;
-            let opened = self.open(&key, &request.source, request.bands);
+            let path = &request.key.path;
+            let before = Found::at(path);
+            let opened = match &before {
+                Found::File { .. } => self.open(&request),
+                Found::Nothing(reason) => Err(reason.clone()),
+            };
+            let mut attempt = Attempt {
+                after: Found::at(path),
+                before,
+                opened: opened.is_ok(),
+                patient: false,
+            };
             let mut state = self.state.lock();
-            if let Some(slot) = state.files.get_mut(&key) {
-                *slot = match opened {
-                    Ok(file) => SourceState::Open(file),
-                    Err(reason) => SourceState::Failed(reason),
-                };
-                state.changed = true;
+            if let Some(slot) = state.files.get_mut(&request.key) {
+                slot.queued = false;
+                let shown = matches!(slot.state, SourceState::Open(_));
+                attempt.patient = self.watching && shown;
+                if slot.watch.tried(attempt) {
+                    let first = matches!(slot.state, SourceState::Opening(_));
+                    slot.state = match opened {
+                        Ok(file) => SourceState::Open(file),
+                        Err(reason) => SourceState::Failed(reason),
+                    };
+                    let news = if first { News::Opened } else { News::Replaced };
+                    state.news = state.news.max(news);
+                }
             }
             drop(state);
             self.settled.notify_all();
@@ -206,73 +314,53 @@ impl Shared {
         }
     }
 
-    fn open(
-        self: &Arc<Self>,
-        key: &SourceKey,
-        source: &Source,
-        bands: Option<Vec<u16>>,
-    ) -> Result<Arc<dyn RasterFile>, String> {
-        let progress = {
-            let (shared, key) = (Arc::clone(self), key.clone());
-            move |done: f32| {
-                if let Some(state) = shared.state.lock().files.get_mut(&key) {
-                    *state = SourceState::Opening(done);
+    /// Looks at the path of every file once.
+    fn look(&self, requests: &Sender<Request>) {
+        let paths: HashSet<PathBuf> = {
+            let state = self.state.lock();
+            let idle = state.files.values().filter(|s| !s.queued);
+            idle.map(|s| s.request.key.path.clone()).collect()
+        };
+        // Without the lock: a network that does not answer must hold nobody up.
+        let found: HashMap<PathBuf, Found> = paths
+            .into_iter()
+            .take_while(|_| !self.cancel.is_cancelled())
+            .map(|path| {
+                let found = Found::at(&path);
+                (path, found)
+            })
+            .collect();
+        let mut lost = false;
+        let mut state = self.state.lock();
+        for slot in state.files.values_mut().filter(|s| !s.queued) {
+            let Some(found) = found.get(&slot.request.key.path) else {
+                continue;
+            };
+            match slot.watch.look(found.clone()) {
+                Step::Wait => {}
+                Step::Reopen => slot.queued = requests.try_send(slot.request.clone()).is_ok(),
+                Step::Lost(reason) => {
+                    slot.state = SourceState::Failed(reason);
+                    lost = true;
                 }
-                shared.wake();
             }
-        };
-        let mut options = OpenOptions {
-            cache_dir: self.cache_folder.clone(),
-            progress: Some(Arc::new(progress)),
-            cancel: self.cancel.clone(),
-            chunk_cache: Arc::clone(&self.chunks),
-            as_bands: Some(key.bands),
-            // People count bands from 1.
-            select: bands.map(|b| b.into_iter().map(|n| n.saturating_sub(1)).collect()),
-            nodata: source.nodata,
-            ..OpenOptions::default()
-        };
-        if let Some(place) = &source.georeference {
-            Self::place(&mut options, place, &key.path)?;
         }
-        let file = open(&key.path, &options).map_err(|e| e.to_string())?;
-        if file.info().georeference.is_none() {
-            return Err(format!(
-                "expected a place on the planet, found no georeference; give the layer an extent: \"{}\"",
-                key.path.display()
-            ));
+        if lost {
+            state.news = News::Replaced;
+            drop(state);
+            self.settled.notify_all();
+            self.wake();
         }
-        Ok(file)
     }
 
-    /// Turns what the project says of a file's place into what the reader takes.
-    fn place(options: &mut OpenOptions, place: &Georeference, path: &Path) -> Result<(), String> {
-        let Some(extent) = place.extent else {
-            options.crs = place.crs.as_deref().map(Arc::from);
-            return Ok(());
-        };
-        // The extent is one of outer edges, so the size in pixels is needed first.
-        let probe = OpenOptions {
-            make_pyramid: false,
-            ..options.clone()
-        };
-        let file = open(path, &probe).map_err(|e| e.to_string())?;
-        let full = file.info().overviews[0];
-        let (dx, dy) = (
-            (extent.east - extent.west) / f64::from(full.width),
-            (extent.south - extent.north) / f64::from(full.height),
-        );
-        let own = file
-            .info()
-            .georeference
-            .as_ref()
-            .map(|g| Arc::clone(&g.crs));
-        let crs = place.crs.as_deref().map(Arc::from).or(own);
-        options.georeference = Some(relievo_raster::file::Georeference {
-            crs: crs.unwrap_or_else(|| Arc::from("EPSG:4326")),
-            plane_from_pixel: [extent.west, dx, 0.0, extent.north, 0.0, dy],
-        });
-        Ok(())
+    /// A pyramid is made to some part.
+    fn progress(&self, key: &SourceKey, done: f32) {
+        if let Some(slot) = self.state.lock().files.get_mut(key)
+            && let SourceState::Opening(share) = &mut slot.state
+        {
+            *share = done;
+        }
+        self.wake();
     }
 
     fn wake(&self) {
@@ -283,7 +371,7 @@ impl Shared {
 }
 
 /// The file of a layer and how it is read.
-fn request_of(kind: &LayerKind, folder: &Path) -> Option<(SourceKey, Source, Option<Vec<u16>>)> {
+fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
     let (source, bands, chosen) = match kind {
         LayerKind::Imagery(l) => (&l.source, Bands::Colour, l.bands.clone()),
         LayerKind::Height(l) => (&l.source, Bands::Height, l.band.map(|b| vec![b])),
@@ -299,5 +387,9 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<(SourceKey, Source, Opt
         bands,
         options: format!("{crs:?} {extent:?} {:?} {chosen:?}", source.nodata),
     };
-    Some((key, source.clone(), chosen))
+    Some(Request {
+        key,
+        source: source.clone(),
+        bands: chosen,
+    })
 }

@@ -85,6 +85,9 @@ pub struct RasterInfo {
     pub georeference: Option<Georeference>,
 }
 
+/// What the system is said to have said of a file that another program changed since it was opened.
+pub(crate) const CHANGED: &str = "expected the file as it was opened, found it changed on disk";
+
 /// Why a region could not be read.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum ReadError {
@@ -109,6 +112,22 @@ pub enum ReadError {
         /// The file.
         path: PathBuf,
     },
+}
+
+impl ReadError {
+    /// Whether another program changed the file since it was opened: opened again it may be in
+    /// order.
+    pub fn is_change(&self) -> bool {
+        matches!(self, Self::Io { reason, .. } if reason == CHANGED)
+    }
+
+    /// The file; `None` when somebody asked to stop.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Cancelled => None,
+            Self::Io { path, .. } | Self::Damaged { path, .. } => Some(path),
+        }
+    }
 }
 
 /// An open raster file. Reads may run in any number of threads at once and give the same samples

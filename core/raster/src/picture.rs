@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
 
-use crate::file::{Cancel, OverviewInfo, PixelRect, RasterFile, RasterInfo, ReadError};
+use crate::file::{CHANGED, Cancel, OverviewInfo, PixelRect, RasterFile, RasterInfo, ReadError};
 use crate::open::{OpenError, OpenOptions, content_hash, placed};
 use crate::{Bands, Block, pyramid, worldfile};
 
@@ -46,6 +46,8 @@ struct Picture {
     info: RasterInfo,
     format: Format,
     pixels: OnceLock<Result<DynamicImage, ReadError>>,
+    /// What the file was when it was opened.
+    content: [u8; 32],
     fingerprint: [u8; 32],
 }
 
@@ -60,6 +62,7 @@ pub(crate) fn open(
         path: path.to_owned(),
     };
     let mut hash = content_hash(path).map_err(io)?;
+    let content = *hash.finalize().as_bytes();
     hash.update(options.sample_facts().as_bytes());
     let fingerprint = *hash.finalize().as_bytes();
     let decoder = decoder(path, format).map_err(|e| decode_error(e, format, path))?;
@@ -74,6 +77,7 @@ pub(crate) fn open(
         info,
         format,
         pixels: OnceLock::new(),
+        content,
         fingerprint,
     };
     if !options.make_pyramid {
@@ -247,16 +251,28 @@ impl Picture {
                     },
                 })
         };
+        // Pixels that were read while another program wrote belong to neither of the contents.
+        let unchanged = |pixels: DynamicImage| match content_hash(path) {
+            Ok(hash) if *hash.finalize().as_bytes() == self.content => Ok(pixels),
+            Ok(_other) => Err(ReadError::Io {
+                reason: CHANGED.to_owned(),
+                path: path.clone(),
+            }),
+            Err(error) => Err(ReadError::Io {
+                reason: error.to_string(),
+                path: path.clone(),
+            }),
+        };
         let pixels = self
             .pixels
-            .get_or_init(decode)
+            .get_or_init(|| decode().and_then(unchanged))
             .as_ref()
             .map_err(Clone::clone)?;
         let size = self.info.overviews[0];
         if (pixels.width(), pixels.height()) == (size.width, size.height) {
             return Ok(pixels);
         }
-        // The file has changed since it was opened.
+        // The file changed between the reading of its header and the decoding of its pixels.
         let reason = format!(
             "expected {} x {} pixels, found {} x {}",
             size.width,

@@ -15,12 +15,22 @@ use crate::scene::Scene;
 const PREFETCH: usize = 384;
 
 impl Engine {
+    /// Takes finished tiles. One that failed because its file was changed under it is no failure
+    /// while somebody sees to the file: what is on the screen stays until it can be made.
     pub(super) fn take_finished(&mut self) {
         for done in self.tiles.take_finished() {
+            let asked = self.asked.contains(&done.id);
             if let TileState::Failed(error) = &done.state {
+                if let Some(file) = self.sources.changed_file(error) {
+                    if asked {
+                        self.sources.distrust(file);
+                        self.stuck = true;
+                    }
+                    continue;
+                }
                 self.messages.tile_failed(error);
             }
-            if self.asked.contains(&done.id) {
+            if asked {
                 self.arrived.insert(done.id, done.state);
                 self.dirty = true;
             }
@@ -34,11 +44,16 @@ impl Engine {
         dt_s: f32,
     ) {
         let shown = Arc::clone(&self.shown);
-        let (arrived, tiles) = (&self.arrived, &self.tiles);
+        let (arrived, tiles, sources) = (&self.arrived, &self.tiles, &self.sources);
+        let lasts = |state: &TileState| match state {
+            TileState::Ready(_) => true,
+            TileState::Failed(error) => sources.changed_file(error).is_none(),
+        };
         let mut left = false;
         for (kind, stack) in self.stacks.each_mut() {
             if let (true, Some(root)) = (self.dirty, shown.root(kind)) {
-                let find = |id| arrived.get(&id).cloned().or_else(|| tiles.get(id));
+                let kept = |id| tiles.get(id).filter(lasts);
+                let find = |id| arrived.get(&id).cloned().or_else(|| kept(id));
                 left |= stack.update(|key| shown.name(root, key), find, budget, uploads);
             }
             stack.settle(dt_s);

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use relievo_project::OpenProjectError;
 
@@ -15,18 +16,22 @@ pub struct EngineOptions {
     pub cache_folder: Option<PathBuf>,
     /// Whether [`Engine::take_log`](super::Engine::take_log) records which tiles were made.
     pub log: bool,
+    /// How often files are looked at, so that one that changed on disk, came back or is gone is
+    /// noticed; `None`: only when [`Engine::look_at_files`](super::Engine::look_at_files) is called.
+    pub watch: Option<Duration>,
     /// Called from other threads when there is something to drain.
     pub wake: Option<Arc<dyn Fn() + Send + Sync>>,
 }
 
 impl Default for EngineOptions {
-    /// All cores but one, 1 GiB, the user's cache folder.
+    /// All cores but one, 1 GiB, the user's cache folder, files as they were opened.
     fn default() -> Self {
         Self {
             threads: None,
             memory: 1 << 30,
             cache_folder: default_cache_folder(),
             log: false,
+            watch: None,
             wake: None,
         }
     }
@@ -67,4 +72,25 @@ pub struct EngineStats {
     pub opening: usize,
     /// Time all workers together spent making tiles, nanoseconds.
     pub busy_ns: u128,
+    /// What the engine remembers beside the cache.
+    pub kept: Kept,
+}
+
+/// Sizes of what the engine remembers, each of which stays bounded however long it runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// Tiles in windows.
+    pub resident: usize,
+    /// Finished tiles that no window has taken yet.
+    pub arrived: usize,
+    /// Tiles that are asked for.
+    pub asked: usize,
+    /// Names of tiles.
+    pub names: usize,
+    /// Files.
+    pub files: usize,
+    /// Nodes that outlive their revision, with the geometry of their files.
+    pub nodes: usize,
+    /// Messages.
+    pub messages: usize,
 }

@@ -13,13 +13,16 @@ use super::asking::named;
 use crate::compile;
 use crate::frame::ClipKind;
 use crate::scene::Scene;
+use crate::sources::News;
 
 impl Engine {
     /// Starts making the project's current state unless a revision is being made already: that one
     /// is finished first, so a drag cannot starve the fine levels.
     pub(super) fn recompile(&mut self) {
-        if self.sources.take_changed() {
-            self.stale = true;
+        self.hear_of_sources();
+        if self.stale && std::mem::take(&mut self.stuck) {
+            // It reads a file that is no more, so it would never be finished.
+            self.making = None;
         }
         if !self.stale || self.making.is_some() {
             return;
@@ -35,6 +38,28 @@ impl Engine {
         );
         self.messages.replace_sources(&compiled.problems);
         self.making = Some(Arc::new(compiled.into_scene(self.revisions)));
+        self.dirty = true;
+    }
+
+    /// Takes in what happened to files.
+    pub(super) fn hear_of_sources(&mut self) {
+        match self.sources.take_news() {
+            News::None => {}
+            News::Opened => self.stale = true,
+            News::Replaced => {
+                self.stale = true;
+                self.forget_failed_tiles();
+                self.messages.forget_tiles();
+            }
+        }
+    }
+
+    /// Has tiles made again that could not be made.
+    pub(super) fn forget_failed_tiles(&mut self) {
+        self.tiles.forget_failures();
+        for (_, stack) in self.stacks.each_mut() {
+            stack.forget_failures();
+        }
         self.dirty = true;
     }
 

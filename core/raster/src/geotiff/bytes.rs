@@ -4,6 +4,9 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::SystemTime;
+
+use crate::file::CHANGED;
 
 /// A file, or bytes in memory, that many threads may read at once.
 #[derive(Debug)]
@@ -23,7 +26,7 @@ impl Bytes {
     /// Length in bytes.
     pub(crate) fn length(&self) -> u64 {
         match self {
-            Self::File(file) => file.length,
+            Self::File(file) => file.opened.length,
             Self::Memory(bytes) => bytes.len() as u64,
         }
     }
@@ -59,43 +62,69 @@ impl Bytes {
     }
 }
 
-/// A file with its length when opened.
+/// A file with what it was when opened.
+///
+/// Bytes that were read while another program wrote to the file belong to neither of its contents.
+/// So a read looks at the file once more when it has its bytes, and refuses them if the file is not
+/// what it was. A file that was replaced or removed by name stays readable as it was opened.
 #[derive(Debug)]
 pub(crate) struct SharedFile {
     #[cfg(unix)]
     file: File,
     #[cfg(not(unix))]
     file: parking_lot::Mutex<File>,
+    opened: Stamp,
+}
+
+/// What changes when a file's content does. Systems without times of change have the length alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Stamp {
     length: u64,
+    modified: Option<SystemTime>,
+}
+
+impl Stamp {
+    fn of(file: &File) -> io::Result<Self> {
+        let metadata = file.metadata()?;
+        Ok(Self {
+            length: metadata.len(),
+            modified: metadata.modified().ok(),
+        })
+    }
 }
 
 impl SharedFile {
-    #[cfg(unix)]
     fn new(file: File) -> io::Result<Self> {
-        Ok(Self {
-            length: file.metadata()?.len(),
-            file,
-        })
+        let opened = Stamp::of(&file)?;
+        #[cfg(not(unix))]
+        let file = parking_lot::Mutex::new(file);
+        Ok(Self { file, opened })
     }
 
     #[cfg(unix)]
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<()> {
-        std::os::unix::fs::FileExt::read_exact_at(&self.file, buffer, offset)
-    }
-
-    #[cfg(not(unix))]
-    fn new(file: File) -> io::Result<Self> {
-        Ok(Self {
-            length: file.metadata()?.len(),
-            file: parking_lot::Mutex::new(file),
-        })
+        let read = std::os::unix::fs::FileExt::read_exact_at(&self.file, buffer, offset);
+        self.refuse_changes(&self.file)?;
+        read
     }
 
     #[cfg(not(unix))]
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<()> {
         use std::io::{Read, Seek, SeekFrom};
         let mut file = self.file.lock();
-        file.seek(SeekFrom::Start(offset))?;
-        file.read_exact(buffer)
+        let read = file
+            .seek(SeekFrom::Start(offset))
+            .and_then(|_at| file.read_exact(buffer));
+        self.refuse_changes(&file)?;
+        read
+    }
+
+    /// An error where the file is not what it was.
+    fn refuse_changes(&self, file: &File) -> io::Result<()> {
+        if Stamp::of(file)? == self.opened {
+            Ok(())
+        } else {
+            Err(io::Error::other(CHANGED))
+        }
     }
 }

@@ -1,0 +1,76 @@
+//! Opening a file as a layer asks for it.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use relievo_project::Georeference;
+use relievo_raster::RasterFile;
+use relievo_raster::open::{OpenOptions, open};
+
+use super::{Request, Shared};
+
+impl Shared {
+    /// Opens a file, with a pyramid if it needs one; one line where that cannot be.
+    pub(super) fn open(self: &Arc<Self>, request: &Request) -> Result<Arc<dyn RasterFile>, String> {
+        let path = &request.key.path;
+        let progress = {
+            let (shared, key) = (Arc::clone(self), request.key.clone());
+            move |done: f32| shared.progress(&key, done)
+        };
+        let mut options = OpenOptions {
+            cache_dir: self.cache_folder.clone(),
+            progress: Some(Arc::new(progress)),
+            cancel: self.cancel.clone(),
+            chunk_cache: Arc::clone(&self.chunks),
+            as_bands: Some(request.key.bands),
+            // People count bands from 1.
+            select: request
+                .bands
+                .as_ref()
+                .map(|b| b.iter().map(|n| n.saturating_sub(1)).collect()),
+            nodata: request.source.nodata,
+            ..OpenOptions::default()
+        };
+        if let Some(place) = &request.source.georeference {
+            place_by(&mut options, place, path)?;
+        }
+        let file = open(path, &options).map_err(|e| e.to_string())?;
+        if file.info().georeference.is_none() {
+            return Err(format!(
+                "expected a place on the planet, found no georeference; give the layer an extent: \"{}\"",
+                path.display()
+            ));
+        }
+        Ok(file)
+    }
+}
+
+/// Turns what the project says of a file's place into what the reader takes.
+fn place_by(options: &mut OpenOptions, place: &Georeference, path: &Path) -> Result<(), String> {
+    let Some(extent) = place.extent else {
+        options.crs = place.crs.as_deref().map(Arc::from);
+        return Ok(());
+    };
+    // The extent is one of outer edges, so the size in pixels is needed first.
+    let probe = OpenOptions {
+        make_pyramid: false,
+        ..options.clone()
+    };
+    let file = open(path, &probe).map_err(|e| e.to_string())?;
+    let full = file.info().overviews[0];
+    let (dx, dy) = (
+        (extent.east - extent.west) / f64::from(full.width),
+        (extent.south - extent.north) / f64::from(full.height),
+    );
+    let own = file
+        .info()
+        .georeference
+        .as_ref()
+        .map(|g| Arc::clone(&g.crs));
+    let crs = place.crs.as_deref().map(Arc::from).or(own);
+    options.georeference = Some(relievo_raster::file::Georeference {
+        crs: crs.unwrap_or_else(|| Arc::from("EPSG:4326")),
+        plane_from_pixel: [extent.west, dx, 0.0, extent.north, 0.0, dy],
+    });
+    Ok(())
+}
