@@ -136,6 +136,12 @@ pub trait RasterFile: Send + Sync {
     /// What the file says of itself.
     fn info(&self) -> &RasterInfo;
 
+    /// What a user should know of how the file was understood, a line each: a place that was fitted,
+    /// say.
+    fn remarks(&self) -> &[String] {
+        &[]
+    }
+
     /// 32 bytes that change when the content does: a hash over path-independent facts (length,
     /// modification time, file name) or over the content.
     fn fingerprint(&self) -> [u8; 32];

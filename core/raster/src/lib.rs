@@ -19,6 +19,7 @@ pub mod worldfile;
 pub mod write;
 
 mod geotiff;
+mod parts;
 mod picture;
 mod pyramid;
 

@@ -9,6 +9,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
 
 use crate::file::{CHANGED, Cancel, OverviewInfo, PixelRect, RasterFile, RasterInfo, ReadError};
 use crate::open::{OpenError, OpenOptions, content_hash, placed};
+use crate::parts::assert_inside;
 use crate::{Bands, Block, pyramid, worldfile};
 
 /// Bytes of a decoded picture at most: 16384 x 16384 pixels of four bytes.
@@ -305,18 +306,7 @@ impl RasterFile for Picture {
         cancel: &Cancel,
     ) -> Result<(), ReadError> {
         let size = self.info.overviews[overview];
-        let inside = rect
-            .x
-            .checked_add(rect.width)
-            .is_some_and(|x| x <= size.width)
-            && rect
-                .y
-                .checked_add(rect.height)
-                .is_some_and(|y| y <= size.height);
-        assert!(
-            inside,
-            "the rectangle {rect:?} lies inside the overview {size:?}"
-        );
+        assert_inside(rect, size);
         if cancel.is_cancelled() {
             return Err(ReadError::Cancelled);
         }

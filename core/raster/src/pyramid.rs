@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use parking_lot::Mutex;
 
 use crate::file::{Cancel, OverviewInfo, PixelRect, RasterFile, RasterInfo, ReadError};
-use crate::geotiff::{Bytes, GeoTiff};
+use crate::geotiff::{Bytes, Companions, GeoTiff};
 use crate::open::{OpenError, OpenOptions, Stretch};
 use crate::{Bands, Block};
 use reduce::Reduction;
@@ -38,6 +38,7 @@ struct Completed {
     base: Option<Arc<dyn RasterFile>>,
     own: usize,
     made: GeoTiff,
+    remarks: Vec<String>,
     fingerprint: [u8; 32],
 }
 
@@ -68,6 +69,7 @@ pub(crate) fn complete(
         .map_or_else(|| plan.make(options), Ok)?;
     let mut completed = info;
     let fingerprint = base.fingerprint();
+    let remarks = base.remarks().to_vec();
     let own = if copy { 0 } else { completed.overviews.len() };
     if copy {
         completed.overviews.truncate(1);
@@ -78,6 +80,7 @@ pub(crate) fn complete(
         base: (!copy).then_some(base),
         own,
         made,
+        remarks,
         fingerprint,
     }))
 }
@@ -144,7 +147,8 @@ impl Plan<'_> {
             make_pyramid: false,
             ..OpenOptions::default()
         };
-        let tiff = GeoTiff::from_bytes(bytes, path, self.key, &own).map_err(|e| e.to_string())?;
+        let tiff = GeoTiff::from_bytes(bytes, path, &Companions::default(), self.key, &own)
+            .map_err(|e| e.to_string())?;
         if tiff.info().overviews != self.levels() {
             return Err(format!(
                 "expected levels {:?}, found {:?}",
@@ -373,6 +377,10 @@ fn tiles(size: OverviewInfo) -> impl Iterator<Item = (u32, u32)> {
 impl RasterFile for Completed {
     fn info(&self) -> &RasterInfo {
         &self.info
+    }
+
+    fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     fn fingerprint(&self) -> [u8; 32] {

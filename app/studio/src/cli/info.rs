@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use relievo_engine::project::{self, Layer, Project};
 use relievo_engine::raster::crs::Crs;
 use relievo_engine::raster::open::{OpenOptions, open};
-use relievo_engine::raster::{Bands, RasterInfo};
+use relievo_engine::raster::{Bands, RasterFile};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -42,6 +42,8 @@ struct Raster<'a> {
     nodata: Option<f64>,
     /// Sizes of the file's own overviews, fine to coarse.
     overviews: Vec<[u32; 2]>,
+    /// What to know of how the file was understood.
+    remarks: &'a [String],
 }
 
 /// The smallest upright rectangle that holds all pixels.
@@ -68,14 +70,15 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         ..OpenOptions::default()
     };
     let file = open(&arguments.file, &options).map_err(Failure::input)?;
-    of_raster(arguments, file.info(), context)
+    of_raster(arguments, &*file, context)
 }
 
 fn of_raster(
     arguments: &Arguments,
-    info: &RasterInfo,
+    file: &dyn RasterFile,
     context: &mut Context,
 ) -> Result<(), Failure> {
+    let info = file.info();
     let size = info.overviews[0];
     let place = info.georeference.as_ref();
     let geographic = place.map(|g| Crs::parse(&g.crs).is_ok_and(|crs| crs.is_geographic()));
@@ -110,6 +113,7 @@ fn of_raster(
             .iter()
             .map(|o| [o.width, o.height])
             .collect(),
+        remarks: file.remarks(),
     };
     if arguments.json {
         return print_json(&raster, context);
@@ -146,6 +150,9 @@ fn of_raster(
     }
     if let Some(nodata) = raster.nodata {
         writeln!(out, "nodata       {nodata}")?;
+    }
+    for remark in raster.remarks {
+        writeln!(out, "remark       {remark}")?;
     }
     let overviews: Vec<String> = raster
         .overviews

@@ -2,10 +2,15 @@
 
 use std::sync::Arc;
 
+use super::control_points::{ControlPoint, fit};
 use super::fault::{Fault, damaged, unsupported};
 use super::geokeys::GeoKeys;
 use super::ifd::{Ifd, TiffBytes, tag};
 use crate::file::Georeference;
+
+/// Control points may lie so many pixels off the affine map through them: beyond, the image is bent
+/// and must be warped.
+const WORST_CONTROL_POINT_PX: f64 = 2.0;
 
 /// Plane coordinates from pixels, and the system they are in as far as the file says.
 #[derive(Debug, Default)]
@@ -14,12 +19,17 @@ pub(crate) struct Placement {
     pub(crate) plane_from_pixel: Option<[f64; 6]>,
     /// The system.
     pub(crate) crs: Option<String>,
+    /// What a user should know of it.
+    pub(crate) remark: Option<String>,
 }
 
 impl Placement {
     /// Reads tags and geo keys.
     pub(crate) fn read(file: &TiffBytes, ifd: &Ifd, keys: &GeoKeys) -> Result<Self, Fault> {
-        let mut affine = affine(file, ifd)?;
+        let (mut affine, remark) = match affine(file, ifd)? {
+            Some(found) => (Some(found), None),
+            None => fitted(file, ifd)?,
+        };
         if let Some(affine) = &mut affine {
             if keys.pixel_is_point() {
                 affine[0] -= 0.5 * (affine[1] + affine[2]);
@@ -34,6 +44,7 @@ impl Placement {
         Ok(Self {
             plane_from_pixel: affine,
             crs: keys.crs()?,
+            remark,
         })
     }
 
@@ -85,11 +96,42 @@ fn affine(file: &TiffBytes, ifd: &Ifd) -> Result<Option<[f64; 6]>, Fault> {
             let dy = -dy.abs();
             Ok(Some([x - column * dx, dx, 0.0, y - row * dy, 0.0, dy]))
         }
-        ([], tiepoints) if tiepoints.len() > 6 => unsupported(format!(
-            "expected a position and a size of pixels, found {} ground control points only: warp the image first",
-            tiepoints.len() / 6
-        )),
-        // A single tiepoint without a scale, or a scale without a tiepoint, places nothing.
+        // A single tiepoint without a scale, or a scale without a tiepoint, places nothing; many
+        // tiepoints are control points.
         _ => Ok(None),
+    }
+}
+
+/// The map that fits a file's control points, with a remark on how well; `None` without such points.
+fn fitted(file: &TiffBytes, ifd: &Ifd) -> Result<(Option<[f64; 6]>, Option<String>), Fault> {
+    let numbers = file.f64_vec(ifd, tag::MODEL_TIEPOINT, 1 << 16)?;
+    let points: Vec<ControlPoint> = numbers
+        .as_chunks::<6>()
+        .0
+        .iter()
+        .map(|&[column, row, _, x, y, _]| ControlPoint {
+            pixel: (column, row),
+            plane: (x, y),
+        })
+        .collect();
+    let count = points.len();
+    if count < 2 {
+        return Ok((None, None));
+    }
+    match fit(&points) {
+        Some(fit) if fit.worst_px <= WORST_CONTROL_POINT_PX => Ok((
+            Some(fit.plane_from_pixel),
+            Some(format!(
+                "placed by {count} ground control points, which lie up to {:.2} pixels off",
+                fit.worst_px
+            )),
+        )),
+        Some(fit) => unsupported(format!(
+            "expected ground control points within {WORST_CONTROL_POINT_PX} pixels of a common affine map, found {count} up to {:.1} pixels off: warp the image first",
+            fit.worst_px
+        )),
+        None => unsupported(format!(
+            "expected ground control points that span an area, found {count} on one line"
+        )),
     }
 }

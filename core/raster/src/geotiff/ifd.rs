@@ -43,6 +43,7 @@ pub(crate) mod tag {
     pub(crate) const GEO_ASCII_PARAMS: u16 = 34737;
     pub(crate) const GDAL_METADATA: u16 = 42112;
     pub(crate) const GDAL_NODATA: u16 = 42113;
+    pub(crate) const LERC_PARAMETERS: u16 = 50674;
 }
 
 /// Byte order and offset size of a file, with its bytes.

@@ -31,7 +31,9 @@ pub(crate) mod compression {
     pub(crate) const DEFLATE: u16 = 8;
     pub(crate) const OLD_DEFLATE: u16 = 32946;
     pub(crate) const PACK_BITS: u16 = 32773;
+    pub(crate) const LERC: u16 = 34887;
     pub(crate) const ZSTD: u16 = 50000;
+    pub(crate) const WEBP: u16 = 50001;
 }
 
 /// Photometric numbers of TIFF.
@@ -42,6 +44,14 @@ pub(crate) mod photometric {
     pub(crate) const PALETTE: u16 = 3;
     pub(crate) const MASK: u16 = 4;
     pub(crate) const YCBCR: u16 = 6;
+}
+
+/// What LERC blobs are compressed with once more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LercWrapping {
+    None,
+    Deflate,
+    Zstd,
 }
 
 /// One image of a file: sizes, sample type, where its chunks are.
@@ -58,6 +68,7 @@ pub(crate) struct Layout {
     pub(crate) photometric: u16,
     pub(crate) compression: u16,
     pub(crate) predictor: u16,
+    pub(crate) lerc: LercWrapping,
     pub(crate) extra_samples: Vec<u16>,
     pub(crate) jpeg_tables: Option<Arc<[u8]>>,
     tiled: bool,
@@ -89,14 +100,11 @@ impl Layout {
         check_compression(compression)?;
         let predictor = short(tag::PREDICTOR, 1)?;
         check_predictor(predictor, format, bits)?;
-        if compression == compression::JPEG && (format != SampleFormat::Unsigned || bits != 8) {
-            return unsupported(format!(
-                "expected 8-bit samples in JPEG compression, found {bits}-bit ones"
-            ));
-        }
-        if short(tag::FILL_ORDER, 1)? != 1 && bits < 8 {
+        if short(tag::FILL_ORDER, 1)? != 1 && is_packed(format, bits) {
             return unsupported("expected fill order 1 of bits, found 2");
         }
+        check_codec(compression, format, bits)?;
+        let lerc = lerc_wrapping(file, ifd)?;
         let planar = match short(tag::PLANAR_CONFIGURATION, 1)? {
             1 => false,
             2 => samples > 1,
@@ -134,6 +142,11 @@ impl Layout {
             }
             (width, rows.min(height.into()) as u32)
         };
+        if compression == compression::WEBP && (planar || !matches!(samples, 3 | 4)) {
+            return unsupported(format!(
+                "expected 3 or 4 interleaved samples in WebP compression, found {samples}"
+            ));
+        }
         let mut layout = Self {
             width,
             height,
@@ -146,6 +159,7 @@ impl Layout {
             photometric: short(tag::PHOTOMETRIC, photometric::BLACK_IS_ZERO)?,
             compression,
             predictor,
+            lerc,
             extra_samples: extra_samples.iter().map(|e| *e as u16).collect(),
             jpeg_tables,
             tiled,
@@ -201,6 +215,11 @@ impl Layout {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Whether samples do not fill whole bytes or words and are unpacked here.
+    pub(crate) fn is_packed(&self) -> bool {
+        is_packed(self.format, self.bits)
     }
 
     /// Samples of a pixel within a chunk.
@@ -318,20 +337,20 @@ fn check_compression(number: u16) -> Result<(), Fault> {
         | compression::DEFLATE
         | compression::OLD_DEFLATE
         | compression::PACK_BITS
-        | compression::ZSTD => Ok(()),
+        | compression::LERC
+        | compression::ZSTD
+        | compression::WEBP => Ok(()),
         other => {
             let name = match other {
                 2..=4 => "a fax compression",
                 6 => "old-style JPEG",
                 34712 => "JPEG 2000",
-                34887 => "LERC",
                 34925 => "LZMA",
-                50001 => "WebP",
                 50002 => "JPEG XL",
                 _ => "another compression",
             };
             unsupported(format!(
-                "expected no compression, LZW, Deflate, ZSTD, PackBits or JPEG, found {name} (number {other})"
+                "expected no compression, LZW, Deflate, ZSTD, PackBits, LERC, WebP or JPEG, found {name} (number {other})"
             ))
         }
     }
@@ -345,6 +364,12 @@ pub(crate) fn compression_name(layout: &Layout) -> &'static str {
         compression::JPEG => "JPEG",
         compression::PACK_BITS => "PackBits",
         compression::ZSTD => "ZSTD",
+        compression::WEBP => "WebP",
+        compression::LERC => match layout.lerc {
+            LercWrapping::None => "LERC",
+            LercWrapping::Deflate => "LERC and Deflate",
+            LercWrapping::Zstd => "LERC and ZSTD",
+        },
         _ => "Deflate",
     }
 }
@@ -361,11 +386,59 @@ fn sample_format(file: &TiffBytes, ifd: &Ifd) -> Result<(SampleFormat, u16), Fau
         other => return damaged(format!("expected a sample format 1 to 6, found {other}")),
     };
     match (format, bits) {
-        (SampleFormat::Unsigned, 1 | 2 | 4 | 8 | 16 | 32 | 64)
+        (SampleFormat::Unsigned, 1..=32 | 64)
         | (SampleFormat::Signed, 8 | 16 | 32 | 64)
-        | (SampleFormat::Float, 16 | 32 | 64) => Ok((format, bits)),
+        | (SampleFormat::Float, 16 | 24 | 32 | 64) => Ok((format, bits)),
         _ => unsupported(format!(
-            "expected integers of 1, 2, 4, 8, 16, 32 or 64 bits or floats of 16, 32 or 64, found {bits}-bit {format:?} samples"
+            "expected unsigned integers of 1 to 32 or of 64 bits, signed ones of 8, 16, 32 or 64, or floats of 16, 24, 32 or 64, found {bits}-bit {format:?} samples"
+        )),
+    }
+}
+
+fn is_packed(format: SampleFormat, bits: u16) -> bool {
+    match format {
+        SampleFormat::Unsigned => !matches!(bits, 8 | 16 | 32 | 64),
+        SampleFormat::Float => bits == 24,
+        SampleFormat::Signed => false,
+    }
+}
+
+/// Refuses samples that a compression cannot hold.
+fn check_codec(number: u16, format: SampleFormat, bits: u16) -> Result<(), Fault> {
+    let (fits, expected) = match number {
+        compression::JPEG => (
+            format == SampleFormat::Unsigned && bits == 8,
+            "8-bit samples in JPEG",
+        ),
+        compression::WEBP => (
+            format == SampleFormat::Unsigned && bits == 8,
+            "8-bit samples in WebP",
+        ),
+        compression::LERC => (
+            match format {
+                SampleFormat::Float => matches!(bits, 32 | 64),
+                SampleFormat::Unsigned | SampleFormat::Signed => matches!(bits, 8 | 16 | 32),
+            },
+            "integers of 8, 16 or 32 bits or floats of 32 or 64 in LERC",
+        ),
+        _ => return Ok(()),
+    };
+    if fits {
+        return Ok(());
+    }
+    unsupported(format!(
+        "expected {expected} compression, found {bits}-bit {format:?} ones"
+    ))
+}
+
+/// What the LERC parameters say: a version, then the second compression.
+fn lerc_wrapping(file: &TiffBytes, ifd: &Ifd) -> Result<LercWrapping, Fault> {
+    match file.unsigned_vec(ifd, tag::LERC_PARAMETERS, 16)?.get(1) {
+        None | Some(0) => Ok(LercWrapping::None),
+        Some(1) => Ok(LercWrapping::Deflate),
+        Some(2) => Ok(LercWrapping::Zstd),
+        Some(other) => unsupported(format!(
+            "expected LERC plain or in Deflate or ZSTD, found another compression (number {other})"
         )),
     }
 }
@@ -373,7 +446,7 @@ fn sample_format(file: &TiffBytes, ifd: &Ifd) -> Result<(SampleFormat, u16), Fau
 /// Refuses predictors that do not fit the samples.
 fn check_predictor(predictor: u16, format: SampleFormat, bits: u16) -> Result<(), Fault> {
     match (predictor, format, bits) {
-        (1, ..) | (2, _, 8..) | (3, SampleFormat::Float, _) => Ok(()),
+        (1, ..) | (2, _, 8 | 16 | 32 | 64) | (3, SampleFormat::Float, 16 | 32 | 64) => Ok(()),
         _ => unsupported(format!(
             "expected predictor 1, 2 or 3 fit for the samples, found {predictor} for {bits}-bit {format:?}"
         )),

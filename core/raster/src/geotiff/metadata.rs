@@ -59,7 +59,7 @@ impl BandMetadata {
 
 /// Splits at the end of an element's head: attributes, then what follows; `None` for an element
 /// without content or without end. A `>` within quotes does not end it.
-fn element_head(text: &str) -> Option<(&str, &str)> {
+pub(crate) fn element_head(text: &str) -> Option<(&str, &str)> {
     let mut quote = None;
     for (i, c) in text.char_indices() {
         match (quote, c) {
@@ -73,7 +73,7 @@ fn element_head(text: &str) -> Option<(&str, &str)> {
 }
 
 /// Value of an attribute.
-fn attribute<'a>(head: &'a str, name: &str) -> Option<&'a str> {
+pub(crate) fn attribute<'a>(head: &'a str, name: &str) -> Option<&'a str> {
     let mut rest = head;
     while let Some((key, after)) = rest.split_once('=') {
         let after = after.trim_start();

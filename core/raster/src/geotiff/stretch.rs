@@ -1,6 +1,16 @@
 //! The range of stored numbers that is shown as 0 to 1.
 
+use super::GeoTiff;
+use super::layout::{Layout, SampleFormat};
+use super::samples::Meaning;
+use crate::file::{Cancel, PixelRect, ReadError};
 use crate::open::Stretch;
+use crate::{Bands, Block};
+
+/// Chunks looked at to choose a stretch.
+const STRETCH_CHUNKS: u64 = 64;
+/// Samples kept to choose a stretch.
+const STRETCH_SAMPLES: usize = 1 << 18;
 
 /// Kinds of stored numbers, as far as a stretch cares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +21,94 @@ pub(crate) enum Numbers {
     Integers,
     /// Floats.
     Floats,
+}
+
+impl Numbers {
+    fn of(layout: &Layout) -> Self {
+        match layout.format {
+            SampleFormat::Float => Self::Floats,
+            SampleFormat::Unsigned | SampleFormat::Signed if layout.bits <= 8 => Self::Bytes,
+            SampleFormat::Unsigned | SampleFormat::Signed => Self::Integers,
+        }
+    }
+}
+
+impl GeoTiff {
+    /// Chooses the range that colours show; until then it is the full one of the stored type.
+    pub(super) fn stretch(&mut self, stretch: Stretch) -> Result<(), ReadError> {
+        let Meaning::Colour(colours) = &self.meaning else {
+            return Ok(());
+        };
+        let numbers = Numbers::of(&self.levels[0].image.layout);
+        let needed = match stretch {
+            Stretch::Auto => numbers != Numbers::Bytes,
+            Stretch::Full => false,
+            Stretch::MinMax | Stretch::Percentile { .. } | Stretch::Range { .. } => true,
+        };
+        if colours.palette.is_some() || !needed {
+            return Ok(());
+        }
+        let (first, second) = colours.range;
+        let grey = colours.bands[0] == colours.bands[1];
+        let mut values = if matches!(stretch, Stretch::Range { .. }) {
+            Vec::new()
+        } else {
+            self.spread_values(if grey { 1 } else { 3 })?
+        };
+        for value in &mut values {
+            *value = first + *value * (second - first);
+            if numbers != Numbers::Floats {
+                // Shown values are f32: integers come back to the unit.
+                *value = libm::round(*value);
+            }
+        }
+        let full = (first.min(second), first.max(second));
+        if let (Some((low, high)), Meaning::Colour(colours)) = (
+            range(&mut values, stretch, full, numbers),
+            &mut self.meaning,
+        ) {
+            colours.range = if first > second {
+                (high, low)
+            } else {
+                (low, high)
+            };
+            colours.clamp = true;
+        }
+        Ok(())
+    }
+
+    /// Shown values of the first planes, without holes, from chunks spread over the coarsest level.
+    fn spread_values(&self, planes: usize) -> Result<Vec<f64>, ReadError> {
+        let level = self.levels.len() - 1;
+        let layout = &self.levels[level].image.layout;
+        let chunks = u64::from(layout.columns()) * u64::from(layout.rows());
+        let looked_at = chunks.min(STRETCH_CHUNKS);
+        let per_chunk = (STRETCH_SAMPLES as u64 / looked_at).max(1);
+        let mut values = Vec::new();
+        let mut block = Block::new(Bands::Colour, 0, 0);
+        for i in 0..looked_at {
+            let index = i * chunks / looked_at;
+            let columns = u64::from(layout.columns());
+            let x = (index % columns) as u32 * layout.chunk_width;
+            let y = (index / columns) as u32 * layout.chunk_height;
+            let rect = PixelRect {
+                x,
+                y,
+                width: layout.chunk_width.min(layout.width - x),
+                height: layout.chunk_height.min(layout.height - y),
+            };
+            block.reshape(Bands::Colour, rect.width as usize, rect.height as usize);
+            self.read_level(level, rect, &mut block, &Cancel::default())?;
+            let every =
+                (u64::from(rect.width) * u64::from(rect.height) / per_chunk).max(1) as usize;
+            let alpha = block.plane(3);
+            for plane in 0..planes {
+                let there = block.plane(plane).iter().zip(alpha).step_by(every);
+                values.extend(there.filter(|(_, a)| **a > 0.0).map(|(v, _)| f64::from(*v)));
+            }
+        }
+        Ok(values)
+    }
 }
 
 /// Shown range of samples that lie as `values` does (a sample of them, without nodata); `full` is

@@ -8,6 +8,7 @@ use flate2::write::ZlibEncoder;
 
 use super::store::Store;
 use crate::file::{OverviewInfo, PixelRect, RasterInfo};
+use crate::parts::parts;
 use crate::{Bands, Block, colour};
 
 /// Side of a tile.
@@ -163,22 +164,9 @@ impl Writer {
         out.reshape(self.bands, rect.width as usize, rect.height as usize);
         let level = &self.levels[level];
         let columns = level.size.width.div_ceil(TILE);
-        for row in rect.y / TILE..(rect.y + rect.height).div_ceil(TILE) {
-            for column in rect.x / TILE..(rect.x + rect.width).div_ceil(TILE) {
-                let tile = self.decode(level.tiles[(row * columns + column) as usize])?;
-                let (x0, y0) = (rect.x.max(column * TILE), rect.y.max(row * TILE));
-                let (x1, y1) = (
-                    (rect.x + rect.width).min((column + 1) * TILE),
-                    (rect.y + rect.height).min((row + 1) * TILE),
-                );
-                let size = ((x1 - x0) as usize, (y1 - y0) as usize);
-                out.copy_from(
-                    &tile,
-                    ((x0 - column * TILE) as usize, (y0 - row * TILE) as usize),
-                    ((x0 - rect.x) as usize, (y0 - rect.y) as usize),
-                    size,
-                );
-            }
+        for part in parts(rect, (TILE, TILE)) {
+            let tile = self.decode(level.tiles[(part.row * columns + part.column) as usize])?;
+            out.copy_from(&tile, part.in_cell, part.in_rect, part.size);
         }
         Ok(())
     }
