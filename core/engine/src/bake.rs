@@ -2,15 +2,15 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec2;
-use parking_lot::Mutex;
 use relievo_graph::{NodeIndex, RenderError};
 use relievo_planet::{Grid, GridCrs, Lattice, SampleRect};
 use relievo_raster::crs::Crs;
 use relievo_raster::file::Georeference;
-use relievo_raster::write::{CogLayout, CogSamples, Png, WriteError, write_cog, write_png};
+use relievo_raster::write::{
+    CogLayout, CogSamples, CogWork, Png, WriteError, write_cog, write_png,
+};
 use relievo_raster::{Bands, Block, Cancel, PixelRect};
 
 use crate::query::Questions;
@@ -77,8 +77,11 @@ impl Questions {
     /// are made on `threads` threads; the file is the same for any number. `progress` is told the
     /// part that is done, 0 to 1.
     ///
+    /// A GeoTIFF whose making is stopped in any way keeps its finished tiles beside its place (its
+    /// name and `.part`): the same request goes on from there, and ends in the same bytes.
+    ///
     /// # Errors
-    /// [`BakeError`]; no file is left then, and one that was there before is untouched.
+    /// [`BakeError`]; a file that was there before is untouched then.
     pub fn bake(
         &self,
         bake: &Bake,
@@ -167,18 +170,19 @@ impl Questions {
         })
     }
 
-    fn block(&self, plan: &Plan, rect: PixelRect, cancel: &Cancel) -> Result<Block, RenderError> {
+    fn grid(plan: &Plan, rect: PixelRect) -> Grid {
         let rect = SampleRect::at(
             i64::from(rect.x),
             i64::from(rect.y),
             i64::from(rect.width),
             i64::from(rect.height),
         );
-        self.scene.graph.evaluate(
-            plan.node,
-            &Grid::new(Arc::clone(&plan.lattice), rect),
-            cancel,
-        )
+        Grid::new(Arc::clone(&plan.lattice), rect)
+    }
+
+    fn block(&self, plan: &Plan, rect: PixelRect, cancel: &Cancel) -> Result<Block, RenderError> {
+        let grid = Self::grid(plan, rect);
+        self.scene.graph.evaluate(plan.node, &grid, cancel)
     }
 
     fn bake_cog(
@@ -200,66 +204,25 @@ impl Questions {
             },
             tile: BLOCK,
             georeference: Some(plan.georeference.clone()),
+            largest_classic_bytes: CogLayout::LARGEST_CLASSIC_BYTES,
         };
-        // The writer asks for blocks row by row; each row is made ahead on all threads.
-        let mut row: (u32, Vec<Block>) = (u32::MAX, Vec::new());
-        let mut source = |rect: PixelRect, out: &mut Block| {
-            if row.0 != rect.y {
-                row = (
-                    rect.y,
-                    self.row(plan, rect.y, rect.height, threads, cancel)?,
-                );
-            }
-            out.clone_from(&row.1[(rect.x / BLOCK) as usize]);
-            Ok(())
+        let source = |rect: PixelRect| Ok(self.block(plan, rect, cancel)?);
+        let whole = PixelRect {
+            x: 0,
+            y: 0,
+            width: plan.width,
+            height: plan.height,
         };
-        Ok(write_cog(path, &layout, &mut source, progress, cancel)?)
-    }
-
-    fn row(
-        &self,
-        plan: &Plan,
-        y: u32,
-        height: u32,
-        threads: usize,
-        cancel: &Cancel,
-    ) -> Result<Vec<Block>, RenderError> {
-        let columns = plan.width.div_ceil(BLOCK) as usize;
-        let made: Mutex<Vec<Option<Result<Block, RenderError>>>> =
-            Mutex::new((0..columns).map(|_| None).collect());
-        let next = AtomicUsize::new(0);
-        let work = || loop {
-            let column = next.fetch_add(1, Ordering::Relaxed);
-            if column >= columns {
-                return;
-            }
-            let x = column as u32 * BLOCK;
-            let rect = PixelRect {
-                x,
-                y,
-                width: BLOCK.min(plan.width - x),
-                height,
-            };
-            let block = self.block(plan, rect, cancel);
-            made.lock()[column] = Some(block);
+        let request = self
+            .scene
+            .graph
+            .evaluation_id(plan.node, &Self::grid(plan, whole));
+        let work = CogWork {
+            threads,
+            resume: Some(request.0),
+            cancel,
         };
-        std::thread::scope(|scope| {
-            for n in 1..threads.clamp(1, columns) {
-                let name = format!("relievo-bake-{n}");
-                // With fewer threads than asked for the work takes longer; nothing else changes.
-                if let Err(error) = std::thread::Builder::new()
-                    .name(name)
-                    .spawn_scoped(scope, work)
-                {
-                    tracing::warn!("bakes on fewer threads: {error}");
-                }
-            }
-            work();
-        });
-        made.into_inner()
-            .into_iter()
-            .map(|b| b.unwrap_or(Err(RenderError::Cancelled)))
-            .collect()
+        Ok(write_cog(path, &layout, &source, &work, progress)?)
     }
 
     fn bake_png(

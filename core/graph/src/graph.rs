@@ -14,7 +14,7 @@ use std::sync::Arc;
 use relievo_planet::{Grid, TileKey};
 use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
 
-use crate::{ContentId, ImageNode, Known, RenderError};
+use crate::{ContentId, IdHasher, ImageNode, Known, RenderError};
 use resolve::{Resolver, Source};
 use run::{Maker, Reader};
 
@@ -190,6 +190,15 @@ impl Graph {
     ) -> Result<Block, RenderError> {
         let resolver = Resolver::new(self, Arc::clone(&grid.lattice), None);
         Maker::new(resolver, Reader::Evaluate, cancel).gather(node, &grid.rect)
+    }
+
+    /// Name of what [`Graph::evaluate`] gives on a grid, however large: makes no sample. Equal names
+    /// mean equal samples, so work on a region can go on after a stop.
+    pub fn evaluation_id(&self, node: NodeIndex, grid: &Grid) -> ContentId {
+        let mut id = IdHasher::on(IdHasher::grid_name(grid));
+        Resolver::new(self, Arc::clone(&grid.lattice), None)
+            .add_surroundings(node, &grid.rect, &mut id);
+        id.finish()
     }
 
     /// Kinds of the nodes that decide a sample of `grid`, in order of evaluation: what a user sees

@@ -4,7 +4,6 @@
 //! cached file that is damaged or does not fit is made again. Where the folder cannot be written
 //! the pyramid stays in memory.
 
-mod reduce;
 mod store;
 mod writer;
 
@@ -17,8 +16,8 @@ use parking_lot::Mutex;
 use crate::file::{Cancel, OverviewInfo, PixelRect, RasterFile, RasterInfo, ReadError};
 use crate::geotiff::{Bytes, Companions, GeoTiff};
 use crate::open::{OpenError, OpenOptions, Stretch};
+use crate::reduce::ratio::Reduction;
 use crate::{Bands, Block};
-use reduce::Reduction;
 use store::Store;
 use writer::{Samples, TILE, Writer};
 

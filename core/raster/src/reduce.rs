@@ -1,5 +1,7 @@
 //! Halving: each sample of the result is the mean of two by two samples.
 
+pub(crate) mod ratio;
+
 use crate::{Bands, Block, colour};
 
 /// The block at half the size, rounded up: each sample covers two by two samples of `block`; where

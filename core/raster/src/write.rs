@@ -7,10 +7,10 @@ mod picture;
 
 use std::path::{Path, PathBuf};
 
-pub use cog::{CogLayout, CogSamples, CogSource, write_cog};
+pub use cog::{CogLayout, CogSamples, CogSource, CogWork, write_cog};
 pub use picture::{Png, write_png};
 
-/// Why a file was not written. Nothing is left behind.
+/// Why a file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// Somebody asked to stop.

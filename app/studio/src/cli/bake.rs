@@ -11,7 +11,8 @@ use super::{Context, Failure, project, units};
 
 /// Write a region of a project to a raster file.
 ///
-/// GeoTIFFs (.tif) are Cloud Optimised and of any size; PNGs hold up to 268 million samples, heights
+/// GeoTIFFs (.tif) are Cloud Optimised and of any size; one that was stopped goes on with the same
+/// command, from the finished tiles in OUT.tif.part. PNGs hold up to 268 million samples, heights
 /// in them are 16-bit grey.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {

@@ -80,6 +80,29 @@ fn inert_nodes_leave_ids_and_dependencies_as_they_were() {
 }
 
 #[test]
+fn the_name_of_a_region_follows_what_it_holds() {
+    let (plain, end) = chain(|_, colours| colours);
+    let (inert, inert_end) =
+        chain(|b, colours| b.add(Arc::new(Adjust::new(&AdjustParams::default())), &[colours]));
+    let (other, other_end) = chain(|b, colours| {
+        let brighter = AdjustParams {
+            brightness: 1.2,
+            ..AdjustParams::default()
+        };
+        b.add(Arc::new(Adjust::new(&brighter)), &[colours])
+    });
+    let grid = |x, width| {
+        let lattice = LevelKey::new(3, 2).lattice();
+        Grid::new(Arc::new(lattice), SampleRect::at(x, 40, width, 500))
+    };
+    let name = plain.evaluation_id(end, &grid(10, 900));
+    assert_eq!(inert.evaluation_id(inert_end, &grid(10, 900)), name);
+    assert_ne!(other.evaluation_id(other_end, &grid(10, 900)), name);
+    assert_ne!(plain.evaluation_id(end, &grid(11, 900)), name);
+    assert_ne!(plain.evaluation_id(end, &grid(10, 901)), name);
+}
+
+#[test]
 fn an_opaque_top_hides_everything_below_from_the_id() {
     let with_base = |seed| {
         let mut b = GraphBuilder::default();

@@ -1,26 +1,30 @@
 //! Cloud Optimised GeoTIFF, tile by tile.
 //!
-//! Tiles are made row by row and compressed into one spool per level, overviews by halving as the
-//! rows come, so memory holds two rows of tiles whatever the height. At the end the directories go
-//! first, then the spools from the coarsest level to the full image: the order COG readers expect.
+//! Tiles are made in batches on several threads and put, compressed, one after another into a
+//! spool; overviews are reduced from the tiles of the finer level in it, so memory holds a batch
+//! whatever the size of the image. At the end the directories go first, then the tiles from the
+//! coarsest level to the full image: the order COG readers expect. A spool that is kept lets work
+//! that was stopped go on.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+mod assemble;
+mod spool;
+mod tile;
+
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use parking_lot::Mutex;
 
-use super::ifd::{self, Field, Value};
-use super::{WriteError, atomically, folder, geokeys, io_error, picture};
+use super::{WriteError, geokeys, io_error};
 use crate::crs::Crs;
-use crate::file::{Cancel, Georeference, PixelRect};
-use crate::{Bands, Block, reduce};
+use crate::file::{Cancel, Georeference, OverviewInfo, PixelRect};
+use crate::parts::parts;
+use crate::reduce::ratio::Reduction;
+use crate::{Bands, Block};
+use spool::Spool;
 
-/// Deflate level: within some percent of the smallest, several times as fast.
-const DEFLATE_LEVEL: u32 = 6;
-/// Files from this size on are BigTIFF.
-const BIG: u64 = 4_000_000_000;
+/// Tiles per thread and batch: enough that threads rarely wait for the slowest.
+const TILES_A_THREAD: usize = 4;
 
 /// What a file stores.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,28 +80,59 @@ pub struct CogLayout {
     pub tile: u32,
     /// Where the pixels lie, if anywhere.
     pub georeference: Option<Georeference>,
+    /// Files above this size are BigTIFF: [`CogLayout::LARGEST_CLASSIC_BYTES`] or less.
+    pub largest_classic_bytes: u64,
 }
 
-/// What gives the samples of a file that is written: fills a block with a rectangle of them.
-pub type CogSource<'a> =
-    dyn FnMut(PixelRect, &mut Block) -> Result<(), Box<dyn core::error::Error + Send + Sync>> + 'a;
+impl CogLayout {
+    /// Largest file whose positions fit into 32 bits, with some room.
+    pub const LARGEST_CLASSIC_BYTES: u64 = 4_000_000_000;
 
-/// Writes a Cloud Optimised GeoTIFF: tiled, Deflate with a predictor, overviews by halves down to
-/// one tile, pixels as areas; whole or not at all.
+    /// The full image and its overviews: halves, rounded up, until one tile holds them.
+    fn levels(&self) -> Vec<OverviewInfo> {
+        let (mut width, mut height) = (self.width, self.height);
+        let mut levels = vec![OverviewInfo { width, height }];
+        while width.max(height) > self.tile {
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
+            levels.push(OverviewInfo { width, height });
+        }
+        levels
+    }
+}
+
+/// What gives the samples of a file that is written: a block of a rectangle of them, on any thread.
+pub type CogSource<'a> =
+    dyn Fn(PixelRect) -> Result<Block, Box<dyn core::error::Error + Send + Sync>> + Sync + 'a;
+
+/// How a file is written.
+#[derive(Clone, Copy, Debug)]
+pub struct CogWork<'a> {
+    /// Threads that make tiles, at least 1.
+    pub threads: usize,
+    /// What names the samples, if work that is stopped is to go on later: finished tiles are kept
+    /// in a file beside the image (its name and `.part`), and taken up again by a request of the
+    /// same name, size and samples. `None` leaves nothing behind.
+    pub resume: Option<[u8; 32]>,
+    /// Asks to stop.
+    pub cancel: &'a Cancel,
+}
+
+/// Writes a Cloud Optimised GeoTIFF: tiled, Deflate with a predictor, overviews down to one tile,
+/// pixels as areas; whole or not at all. The bytes do not depend on threads or stops.
 ///
-/// - `source`: fills a block (reshaped to fit) with the samples of a rectangle; called once per
-///   tile, row by row from the north.
+/// - `source`: gives the samples of a rectangle; called once per tile, on all threads.
 /// - `progress`: called with the part that is done, 0 to 1, never falling.
 ///
 /// # Errors
 /// [`WriteError`] when the layout cannot be stored, the source fails, the system refuses, or work
-/// was cancelled. No file is left then, and one that was there before is untouched.
+/// was cancelled. A file that was there before is untouched then; what [`CogWork::resume`] says is
+/// kept.
 pub fn write_cog(
     path: &Path,
     layout: &CogLayout,
-    source: &mut CogSource<'_>,
+    source: &CogSource<'_>,
+    work: &CogWork<'_>,
     progress: &mut dyn FnMut(f64),
-    cancel: &Cancel,
 ) -> Result<(), WriteError> {
     let unsupported = |reason: String| WriteError::Unsupported {
         reason,
@@ -107,7 +142,6 @@ pub fn write_cog(
         width,
         height,
         tile,
-        samples,
         ..
     } = *layout;
     if width == 0 || height == 0 {
@@ -127,316 +161,177 @@ pub fn write_cog(
             geokeys::fields(&crs, geo.plane_from_pixel).map_err(unsupported)?
         }
     };
-    let mut levels = levels(path, layout)?;
-    let rows = height.div_ceil(tile);
-    let columns = width.div_ceil(tile);
-    let mut block = Block::new(samples.bands(), 0, 0);
-    for row in 0..rows {
-        for column in 0..columns {
-            if cancel.is_cancelled() {
-                return Err(WriteError::Cancelled);
-            }
-            let (x, y) = (column * tile, row * tile);
-            let rect = PixelRect {
-                x,
-                y,
-                width: tile.min(width - x),
-                height: tile.min(height - y),
-            };
-            source(rect, &mut block).map_err(WriteError::Samples)?;
-            if (block.width(), block.height()) != (rect.width as usize, rect.height as usize)
-                || block.bands() != samples.bands()
-            {
-                return Err(unsupported(
-                    "the source gave a block of another shape than asked for".into(),
-                ));
-            }
-            levels[0]
-                .push_tile(&block, samples)
-                .map_err(io_error(path))?;
-            if levels.len() > 1 {
-                levels[1].take_half(&block, column, row);
-            }
-            progress(
-                0.95 * (f64::from(row) + f64::from(column + 1) / f64::from(columns))
-                    / f64::from(rows),
-            );
-        }
-        push_overviews(&mut levels, row, rows, samples).map_err(io_error(path))?;
+    let total = layout.levels().iter().map(|l| tiles_of(*l, tile)).sum();
+    let mut spool = Spool::open(path, layout, work.resume, total)?;
+    let result = fill(path, layout, source, work, progress, &mut spool).and_then(|()| {
+        assemble::assemble(path, layout, &geo, &layout.levels(), &spool, work.cancel)
+    });
+    // What holds nothing is not worth keeping.
+    if result.is_ok() || spool.count() == 0 {
+        spool.remove();
     }
-    assemble(path, layout, &geo, levels, cancel)?;
+    result?;
     progress(1.0);
     Ok(())
 }
 
-/// One resolution on its way to the file.
-struct Level {
-    width: u32,
-    height: u32,
-    tile: u32,
-    spool: BufWriter<File>,
-    sizes: Vec<u64>,
-    /// The row of tiles that is being filled (overviews only).
-    band: Block,
-}
-
-/// The full image and its overviews.
-fn levels(path: &Path, layout: &CogLayout) -> Result<Vec<Level>, WriteError> {
-    let (mut width, mut height, tile) = (layout.width, layout.height, layout.tile);
-    let mut levels = Vec::new();
-    loop {
-        let spool = tempfile::tempfile_in(folder(path)).map_err(io_error(path))?;
-        let band_rows = if levels.is_empty() {
-            0
-        } else {
-            tile.min(height)
+/// Adds the tiles that the spool lacks.
+fn fill(
+    path: &Path,
+    layout: &CogLayout,
+    source: &CogSource<'_>,
+    work: &CogWork<'_>,
+    progress: &mut dyn FnMut(f64),
+    spool: &mut Spool,
+) -> Result<(), WriteError> {
+    let levels = layout.levels();
+    let counts: Vec<usize> = levels.iter().map(|l| tiles_of(*l, layout.tile)).collect();
+    let total: usize = counts.iter().sum();
+    let mut first = 0;
+    for (level, size) in levels.iter().enumerate() {
+        let maker = TileMaker {
+            layout,
+            size: *size,
+            source,
+            finer: level.checked_sub(1).map(|l| (levels[l], first - counts[l])),
+            path,
         };
-        levels.push(Level {
-            width,
-            height,
-            tile,
-            spool: BufWriter::new(spool),
-            sizes: Vec::new(),
-            band: Block::new(
-                layout.samples.bands(),
-                if levels.is_empty() { 0 } else { width as usize },
-                band_rows as usize,
-            ),
-        });
-        if width <= tile && height <= tile {
-            return Ok(levels);
-        }
-        (width, height) = (width.div_ceil(2), height.div_ceil(2));
-    }
-}
-
-impl Level {
-    /// Compresses a tile, padded by repeating nothing: holes, transparency, level ground.
-    fn push_tile(&mut self, block: &Block, samples: CogSamples) -> io::Result<()> {
-        let side = self.tile as usize;
-        let mut padded = Block::new(block.bands(), side, side);
-        if let CogSamples::Height { .. } = samples {
-            padded.samples_mut().fill(f32::NAN);
-        }
-        padded.copy_from(block, (0, 0), (0, 0), (block.width(), block.height()));
-        let bytes = encode_tile(&padded, samples);
-        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(DEFLATE_LEVEL));
-        encoder.write_all(&bytes)?;
-        let compressed = encoder.finish()?;
-        self.sizes.push(compressed.len() as u64);
-        self.spool.write_all(&compressed)
-    }
-
-    /// Takes the halved tile at a column and row of tiles of the next finer level.
-    fn take_half(&mut self, finer: &Block, column: u32, row: u32) {
-        let half = reduce::halve(finer);
-        let x = (column * (self.tile / 2)) as usize;
-        let y = ((row % 2) * (self.tile / 2)) as usize;
-        self.band
-            .copy_from(&half, (0, 0), (x, y), (half.width(), half.height()));
-    }
-}
-
-/// After row `row` of `rows` rows of tiles of the full image: writes the overviews' rows that are
-/// full now.
-fn push_overviews(
-    levels: &mut [Level],
-    row: u32,
-    rows: u32,
-    samples: CogSamples,
-) -> io::Result<()> {
-    let (mut row, mut rows) = (row, rows);
-    for l in 1..levels.len() {
-        if row.is_multiple_of(2) && row + 1 != rows {
-            return Ok(());
-        }
-        (row, rows) = (row / 2, rows.div_ceil(2));
-        let (finer, coarser) = levels.split_at_mut(l + 1);
-        let Some(level) = finer.last_mut() else {
-            return Ok(());
-        };
-        let tile = level.tile;
-        let height = tile.min(level.height - row * tile) as usize;
-        for column in 0..level.width.div_ceil(tile) {
-            let x = column * tile;
-            let width = tile.min(level.width - x) as usize;
-            let mut block = Block::new(level.band.bands(), width, height);
-            block.copy_from(&level.band, (x as usize, 0), (0, 0), (width, height));
-            level.push_tile(&block, samples)?;
-            if let Some(next) = coarser.first_mut() {
-                next.take_half(&block, column, row);
+        let end = first + counts[level];
+        while spool.count() < end {
+            if work.cancel.is_cancelled() {
+                return Err(WriteError::Cancelled);
             }
+            let start = spool.count();
+            let batch = (end - start).min(work.threads.max(1) * TILES_A_THREAD);
+            let made = maker.make_batch(start - first, batch, spool, work)?;
+            spool.append(&made).map_err(io_error(path))?;
+            // The last part is left for putting the file together.
+            progress(0.97 * spool.count() as f64 / total as f64);
         }
+        first = end;
     }
     Ok(())
 }
 
-/// A tile's samples interleaved and predicted, as they are compressed.
-fn encode_tile(block: &Block, samples: CogSamples) -> Vec<u8> {
-    let channels = samples.channels();
-    if samples.is_float() {
-        let width = block.width();
-        let mut out = Vec::with_capacity(width * block.height() * channels * 4);
-        let mut row = vec![0.0_f32; width * channels];
-        for y in 0..block.height() {
-            for (x, pixel) in row.chunks_exact_mut(channels).enumerate() {
-                let i = y * width + x;
-                match samples {
-                    CogSamples::Height { nodata } => {
-                        let h = block.plane(0)[i];
-                        pixel[0] = if h.is_nan() { nodata } else { h };
-                    }
-                    CogSamples::Rgb8
-                    | CogSamples::Rgba8
-                    | CogSamples::Normal8
-                    | CogSamples::NormalF32 => pixel.copy_from_slice(&normal(block, i)),
+/// Tiles of a level.
+fn tiles_of(size: OverviewInfo, tile: u32) -> usize {
+    size.width.div_ceil(tile) as usize * size.height.div_ceil(tile) as usize
+}
+
+/// Makes the tiles of one level.
+struct TileMaker<'a> {
+    layout: &'a CogLayout,
+    size: OverviewInfo,
+    source: &'a CogSource<'a>,
+    /// Size of the next finer level, and the number of its first tile in the spool.
+    finer: Option<(OverviewInfo, usize)>,
+    path: &'a Path,
+}
+
+impl TileMaker<'_> {
+    /// Compressed tiles from number `start` of the level on, in order.
+    fn make_batch(
+        &self,
+        start: usize,
+        count: usize,
+        spool: &Spool,
+        work: &CogWork<'_>,
+    ) -> Result<Vec<Vec<u8>>, WriteError> {
+        let next = AtomicUsize::new(0);
+        let made: Mutex<Vec<Option<Result<Vec<u8>, WriteError>>>> =
+            Mutex::new((0..count).map(|_| None).collect());
+        let make = || loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            if i >= count {
+                return;
+            }
+            let tile = if work.cancel.is_cancelled() {
+                Err(WriteError::Cancelled)
+            } else {
+                self.make(start + i, spool)
+            };
+            if tile.is_err() {
+                // The others stop after the tile that they have at hand.
+                next.store(count, Ordering::Relaxed);
+            }
+            made.lock()[i] = Some(tile);
+        };
+        std::thread::scope(|scope| {
+            for n in 1..work.threads.clamp(1, count) {
+                let name = format!("relievo-write-{n}");
+                // A thread that cannot start is missed by nobody: the others do its work.
+                if let Err(error) = std::thread::Builder::new()
+                    .name(name)
+                    .spawn_scoped(scope, make)
+                {
+                    tracing::warn!("writes on fewer threads: {error}");
                 }
             }
-            predict_floats(&row, channels, &mut out);
+            make();
+        });
+        let mut tiles = Vec::with_capacity(count);
+        for tile in made.into_inner() {
+            // Tiles that nobody came to follow one that failed.
+            tiles.push(tile.unwrap_or(Err(WriteError::Cancelled)));
         }
-        return out;
-    }
-    let mut bytes = if samples == CogSamples::Normal8 {
-        (0..block.width() * block.height())
-            .flat_map(|i| normal(block, i).map(|c| (c * 127.0 + 127.5) as u8))
-            .collect()
-    } else {
-        picture::bytes_of(block, channels)
-    };
-    for row in bytes.chunks_exact_mut(block.width() * channels) {
-        for i in (channels..row.len()).rev() {
-            row[i] = row[i].wrapping_sub(row[i - channels]);
-        }
-    }
-    bytes
-}
-
-/// East, north and up.
-fn normal(block: &Block, i: usize) -> [f32; 3] {
-    let (e, n) = (block.plane(0)[i], block.plane(1)[i]);
-    [e, n, (1.0 - e * e - n * n).max(0.0).sqrt()]
-}
-
-/// Predictor 3: bytes of a row by significance, then differences of bytes.
-///
-/// Source: Adobe Photoshop TIFF Technical Note 3, 2005.
-fn predict_floats(row: &[f32], channels: usize, out: &mut Vec<u8>) {
-    let start = out.len();
-    for byte in 0..4 {
-        out.extend(row.iter().map(|v| v.to_be_bytes()[byte]));
-    }
-    let bytes = &mut out[start..];
-    for i in (channels..bytes.len()).rev() {
-        bytes[i] = bytes[i].wrapping_sub(bytes[i - channels]);
-    }
-}
-
-/// Writes directories and spools.
-fn assemble(
-    path: &Path,
-    layout: &CogLayout,
-    geo: &[Field],
-    levels: Vec<Level>,
-    cancel: &Cancel,
-) -> Result<(), WriteError> {
-    let total: u64 = levels.iter().flat_map(|l| &l.sizes).sum();
-    let directories = |big: bool, starts: &[u64]| {
-        let fields: Vec<Vec<Field>> = levels
+        if let Some(at) = tiles
             .iter()
-            .zip(starts)
-            .enumerate()
-            .map(|(i, (l, s))| fields(layout, l, *s, i, geo))
-            .collect();
-        ifd::encode(&fields, big)
-    };
-    let none = vec![0; levels.len()];
-    let big = total + directories(true, &none).len() as u64 > BIG;
-    let mut at = directories(big, &none).len() as u64;
-    let mut starts = none;
-    for (start, level) in starts.iter_mut().zip(&levels).rev() {
-        *start = at;
-        at += level.sizes.iter().sum::<u64>();
-    }
-    let head = directories(big, &starts);
-    if cancel.is_cancelled() {
-        return Err(WriteError::Cancelled);
-    }
-    let mut stopped = false;
-    let written = atomically(path, |out| {
-        out.write_all(&head)?;
-        for level in levels.into_iter().rev() {
-            let mut spool = level
-                .spool
-                .into_inner()
-                .map_err(io::IntoInnerError::into_error)?;
-            spool.seek(SeekFrom::Start(0))?;
-            io::copy(&mut spool, out)?;
-            if cancel.is_cancelled() {
-                stopped = true;
-                return Err(io::Error::other("cancelled"));
-            }
+            .position(|t| matches!(t, Err(e) if !matches!(e, WriteError::Cancelled)))
+        {
+            return tiles.swap_remove(at).map(|_| Vec::new());
         }
-        Ok(())
-    });
-    if stopped {
-        Err(WriteError::Cancelled)
-    } else {
-        written
+        tiles.into_iter().collect()
     }
-}
 
-/// The directory of a level whose tiles begin at `start`.
-fn fields(
-    layout: &CogLayout,
-    level: &Level,
-    start: u64,
-    index: usize,
-    geo: &[Field],
-) -> Vec<Field> {
-    let samples = layout.samples;
-    let channels = samples.channels();
-    let float = samples.is_float();
-    let short = |tag, v: u16| Field::new(tag, Value::Short(vec![v]));
-    let long = |tag, v: u32| Field::new(tag, Value::Long(vec![v]));
-    let mut offset = start;
-    let offsets = level.sizes.iter().map(|size| {
-        let at = offset;
-        offset += size;
-        at
-    });
-    let mut fields = vec![
-        long(256, level.width),
-        long(257, level.height),
-        Field::new(
-            258,
-            Value::Short(vec![if float { 32 } else { 8 }; channels]),
-        ),
-        short(259, 8),
-        short(262, if channels >= 3 { 2 } else { 1 }),
-        short(277, channels as u16),
-        short(284, 1),
-        short(317, if float { 3 } else { 2 }),
-        long(322, level.tile),
-        long(323, level.tile),
-        Field::new(324, Value::Offset(offsets.collect())),
-        Field::new(325, Value::Offset(level.sizes.clone())),
-        Field::new(339, Value::Short(vec![if float { 3 } else { 1 }; channels])),
-    ];
-    if index > 0 {
-        fields.push(long(254, 1));
-    } else {
-        fields.extend(geo.iter().cloned());
-    }
-    if samples == CogSamples::Rgba8 {
-        fields.push(short(338, 2));
-    }
-    if let CogSamples::Height { nodata } = samples {
-        let text = if nodata.is_nan() {
-            "nan".to_owned()
-        } else {
-            format!("{nodata}")
+    fn make(&self, number: usize, spool: &Spool) -> Result<Vec<u8>, WriteError> {
+        let CogLayout { tile, samples, .. } = *self.layout;
+        let columns = self.size.width.div_ceil(tile) as usize;
+        let (x, y) = (
+            (number % columns) as u32 * tile,
+            (number / columns) as u32 * tile,
+        );
+        let rect = PixelRect {
+            x,
+            y,
+            width: tile.min(self.size.width - x),
+            height: tile.min(self.size.height - y),
         };
-        fields.push(Field::new(42_113, Value::Ascii(text)));
+        let block = match self.finer {
+            None => (self.source)(rect).map_err(WriteError::Samples)?,
+            Some((size, first)) => self.reduced(rect, size, first, spool)?,
+        };
+        if (block.width(), block.height()) != (rect.width as usize, rect.height as usize)
+            || block.bands() != samples.bands()
+        {
+            return Err(WriteError::Unsupported {
+                reason: "the source gave a block of another shape than asked for".into(),
+                path: self.path.to_owned(),
+            });
+        }
+        tile::encode(&block, tile, samples).map_err(io_error(self.path))
     }
-    fields
+
+    /// A rectangle of this level from the tiles of the finer one.
+    fn reduced(
+        &self,
+        rect: PixelRect,
+        finer: OverviewInfo,
+        first: usize,
+        spool: &Spool,
+    ) -> Result<Block, WriteError> {
+        let CogLayout { tile, samples, .. } = *self.layout;
+        let reduction = Reduction::new(finer, self.size, rect);
+        let needs = reduction.needs();
+        let columns = finer.width.div_ceil(tile) as usize;
+        let mut fine = Block::new(samples.bands(), needs.width as usize, needs.height as usize);
+        for part in parts(needs, (tile, tile)) {
+            let number = first + part.row as usize * columns + part.column as usize;
+            let stored = spool
+                .read(number)
+                .and_then(|bytes| tile::decode(&bytes, tile, samples))
+                .map_err(io_error(self.path))?;
+            fine.copy_from(&stored, part.in_cell, part.in_rect, part.size);
+        }
+        Ok(reduction.apply(&fine))
+    }
 }

@@ -3,24 +3,27 @@ use std::io::BufReader;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 
 use super::*;
+use crate::file::OverviewInfo;
 use crate::file::{Cancel, Georeference, PixelRect};
-use crate::{Bands, Block, colour, reduce};
+use crate::reduce::ratio::Reduction;
+use crate::{Bands, Block, colour};
 
 type Failure = Box<dyn core::error::Error + Send + Sync>;
 
-fn part(of: &Block, rect: PixelRect, out: &mut Block) {
-    out.reshape(of.bands(), rect.width as usize, rect.height as usize);
-    let (x, y) = (rect.x as usize, rect.y as usize);
+fn part(of: &Block, rect: PixelRect) -> Block {
+    let (width, height) = (rect.width as usize, rect.height as usize);
+    let mut out = Block::new(of.bands(), width, height);
     out.copy_from(
         of,
-        (x, y),
+        (rect.x as usize, rect.y as usize),
         (0, 0),
-        (rect.width as usize, rect.height as usize),
+        (width, height),
     );
+    out
 }
 
-fn write(path: &Path, of: &Block, samples: CogSamples) -> Result<(), WriteError> {
-    let layout = CogLayout {
+fn layout_of(of: &Block, samples: CogSamples) -> CogLayout {
+    CogLayout {
         width: of.width() as u32,
         height: of.height() as u32,
         samples,
@@ -29,23 +32,34 @@ fn write(path: &Path, of: &Block, samples: CogSamples) -> Result<(), WriteError>
             crs: "EPSG:32612".into(),
             plane_from_pixel: [400_000.0, 30.0, 0.0, 4_500_000.0, 0.0, -30.0],
         }),
-    };
+        largest_classic_bytes: CogLayout::LARGEST_CLASSIC_BYTES,
+    }
+}
+
+fn write(path: &Path, of: &Block, samples: CogSamples) -> Result<(), WriteError> {
+    write_on(path, of, &layout_of(of, samples), 2, None)
+}
+
+fn write_on(
+    path: &Path,
+    of: &Block,
+    layout: &CogLayout,
+    threads: usize,
+    resume: Option<[u8; 32]>,
+) -> Result<(), WriteError> {
     let mut last = 0.0;
     let mut progress = |p: f64| {
         assert!(p >= last && p <= 1.0);
         last = p;
     };
-    let mut source = |rect, out: &mut Block| -> Result<(), Failure> {
-        part(of, rect, out);
-        Ok(())
+    let source = |rect| -> Result<Block, Failure> { Ok(part(of, rect)) };
+    let cancel = Cancel::default();
+    let work = CogWork {
+        threads,
+        resume,
+        cancel: &cancel,
     };
-    write_cog(
-        path,
-        &layout,
-        &mut source,
-        &mut progress,
-        &Cancel::default(),
-    )
+    write_cog(path, layout, &source, &work, &mut progress)
 }
 
 fn heights(width: usize, height: usize) -> Block {
@@ -96,7 +110,22 @@ fn heights_and_their_overviews_come_back_exactly() {
                 break;
             }
             decoder.next_image().expect("another image");
-            level = reduce::halve(&level);
+            let size = |b: &Block| OverviewInfo {
+                width: b.width() as u32,
+                height: b.height() as u32,
+            };
+            let fine = size(&level);
+            let coarse = OverviewInfo {
+                width: fine.width.div_ceil(2),
+                height: fine.height.div_ceil(2),
+            };
+            let whole = PixelRect {
+                x: 0,
+                y: 0,
+                width: coarse.width,
+                height: coarse.height,
+            };
+            level = Reduction::new(fine, coarse, whole).apply(&level);
         }
         assert!(level.width() <= 256 && level.height() <= 256);
     }
@@ -149,25 +178,34 @@ fn a_failed_or_cancelled_write_leaves_what_was_there() {
     let path = folder.path().join("kept.tif");
     std::fs::write(&path, "old").expect("writable");
     let layout = CogLayout {
-        width: 600,
-        height: 600,
-        samples: CogSamples::Height { nodata: f32::NAN },
-        tile: 256,
         georeference: None,
+        ..layout_of(&heights(600, 600), CogSamples::Height { nodata: f32::NAN })
     };
-    let mut fails = |rect: PixelRect, out: &mut Block| -> Result<(), Failure> {
-        out.reshape(Bands::Height, rect.width as usize, rect.height as usize);
+    let flat = |rect: PixelRect| -> Result<Block, Failure> {
+        Ok(Block::new(
+            Bands::Height,
+            rect.width as usize,
+            rect.height as usize,
+        ))
+    };
+    let fails = |rect: PixelRect| {
         if rect.y > 0 {
             Err("no more".into())
         } else {
-            Ok(())
+            flat(rect)
         }
     };
-    let result = write_cog(&path, &layout, &mut fails, &mut |_| (), &Cancel::default());
+    let on_two = |cancel| CogWork {
+        threads: 2,
+        resume: None,
+        cancel,
+    };
+    let going = Cancel::default();
+    let result = write_cog(&path, &layout, &fails, &on_two(&going), &mut |_| ());
     assert!(matches!(result, Err(WriteError::Samples(_))));
     let cancel = Cancel::default();
     cancel.cancel();
-    let result = write_cog(&path, &layout, &mut fails, &mut |_| (), &cancel);
+    let result = write_cog(&path, &layout, &flat, &on_two(&cancel), &mut |_| ());
     assert!(matches!(result, Err(WriteError::Cancelled)));
     assert_eq!(std::fs::read(&path).expect("there"), b"old");
     // Neither a folder that is not there nor a device that takes no neighbour.
@@ -175,11 +213,7 @@ fn a_failed_or_cancelled_write_leaves_what_was_there() {
         folder.path().join("missing/new.tif"),
         "/dev/null/new.tif".into(),
     ] {
-        let mut flat = |rect: PixelRect, out: &mut Block| -> Result<(), Failure> {
-            out.reshape(Bands::Height, rect.width as usize, rect.height as usize);
-            Ok(())
-        };
-        let error = write_cog(&path, &layout, &mut flat, &mut |_| (), &Cancel::default())
+        let error = write_cog(&path, &layout, &flat, &on_two(&going), &mut |_| ())
             .expect_err("no place to write");
         assert!(error.to_string().contains("new.tif"), "{error}");
         assert!(!path.exists());
@@ -229,4 +263,112 @@ fn pictures_come_back_to_the_byte() {
         image::open(&path).expect("a PNG").into_luma16().as_raw()[..],
         [0, 1, 65535]
     );
+}
+
+#[test]
+fn threads_do_not_show_in_the_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let full = heights(1100, 700);
+    let layout = layout_of(&full, CogSamples::Height { nodata: -9999.0 });
+    let files = [1, 2, 7].map(|threads| {
+        let path = folder.path().join(format!("{threads}.tif"));
+        write_on(&path, &full, &layout, threads, None).expect("written");
+        std::fs::read(&path).expect("there")
+    });
+    assert!(files[0] == files[1] && files[1] == files[2]);
+}
+
+#[test]
+fn work_that_was_stopped_goes_on_and_ends_in_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let full = heights(1100, 700);
+    let layout = layout_of(&full, CogSamples::Height { nodata: -9999.0 });
+    let whole = folder.path().join("whole.tif");
+    write_on(&whole, &full, &layout, 1, None).expect("written");
+    let path = folder.path().join("stopped.tif");
+    let kept = folder.path().join("stopped.tif.part");
+    let made = std::sync::atomic::AtomicUsize::new(0);
+    let run = |most: usize, request: u8| {
+        made.store(0, std::sync::atomic::Ordering::Relaxed);
+        let source = |rect| -> Result<Block, Failure> {
+            if made.fetch_add(1, std::sync::atomic::Ordering::Relaxed) >= most {
+                return Err("stopped".into());
+            }
+            Ok(part(&full, rect))
+        };
+        let cancel = Cancel::default();
+        let work = CogWork {
+            threads: 1,
+            resume: Some([request; 32]),
+            cancel: &cancel,
+        };
+        write_cog(&path, &layout, &source, &work, &mut |_| ())
+    };
+    // 5 × 3 tiles, four at a time.
+    assert!(run(9, 1).is_err() && kept.exists() && !path.exists());
+    let partial = std::fs::read(&kept).expect("kept");
+    run(usize::MAX, 1).expect("goes on");
+    assert_eq!(
+        made.load(std::sync::atomic::Ordering::Relaxed),
+        7,
+        "eight were there"
+    );
+    let expected = std::fs::read(&whole).expect("there");
+    let same = || std::fs::read(&path).expect("there") == expected && !kept.exists();
+    assert!(same());
+    // Whatever a crash left: cut anywhere, damaged anywhere, of another request.
+    for cut in (0..partial.len()).step_by(partial.len() / 23) {
+        std::fs::write(&kept, &partial[..cut]).expect("writable");
+        run(usize::MAX, 1).expect("goes on");
+        assert!(same(), "cut at {cut}");
+        let mut damaged = partial.clone();
+        damaged[cut] ^= 0x40;
+        std::fs::write(&kept, &damaged).expect("writable");
+        run(usize::MAX, 1).expect("goes on");
+        if cut < 20 {
+            // No longer ours: left alone.
+            assert_eq!(std::fs::read(&kept).expect("there"), damaged);
+            std::fs::remove_file(&kept).expect("removable");
+        }
+        assert!(same(), "damaged at {cut}");
+    }
+    std::fs::write(&kept, &partial).expect("writable");
+    run(usize::MAX, 2).expect("begins anew");
+    assert_eq!(made.load(std::sync::atomic::Ordering::Relaxed), 15);
+    assert!(same());
+}
+
+#[test]
+fn a_file_that_is_not_a_partial_one_is_left_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let full = heights(300, 20);
+    let layout = layout_of(&full, CogSamples::Height { nodata: -9999.0 });
+    let path = folder.path().join("a.tif");
+    let other = folder.path().join("a.tif.part");
+    std::fs::write(&other, "somebody's notes").expect("writable");
+    write_on(&path, &full, &layout, 1, Some([0; 32])).expect("written");
+    assert_eq!(std::fs::read(&other).expect("there"), b"somebody's notes");
+    assert!(path.exists());
+}
+
+#[test]
+fn large_files_are_big_and_hold_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let full = heights(300, 270);
+    let classic = layout_of(&full, CogSamples::Height { nodata: -9999.0 });
+    let path = folder.path().join("a.tif");
+    let mut versions = Vec::new();
+    for limit in [CogLayout::LARGEST_CLASSIC_BYTES, 100_000] {
+        let layout = CogLayout {
+            largest_classic_bytes: limit,
+            ..classic.clone()
+        };
+        write_on(&path, &full, &layout, 1, None).expect("written");
+        versions.push(std::fs::read(&path).expect("there")[2]);
+        let DecodingResult::F32(samples) = image(&mut decoder(&path)) else {
+            panic!("f32 expected")
+        };
+        assert_eq!(samples[301], full.samples()[301]);
+    }
+    assert_eq!(versions, [42, 43]);
 }

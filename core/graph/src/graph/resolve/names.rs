@@ -104,7 +104,12 @@ impl Resolver<'_> {
     }
 
     /// Names everything a rectangle touches, and how it is put together.
-    fn add_surroundings(&mut self, input: NodeIndex, rect: &SampleRect, id: &mut IdHasher) {
+    pub(in crate::graph) fn add_surroundings(
+        &mut self,
+        input: NodeIndex,
+        rect: &SampleRect,
+        id: &mut IdHasher,
+    ) {
         if let Known::Uniform(value) = self.known_over(input, rect) {
             add_uniform(value, UNSTORED, id);
             return;

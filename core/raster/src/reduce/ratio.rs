@@ -8,7 +8,7 @@ use crate::file::{OverviewInfo, PixelRect};
 use crate::{Bands, Block};
 
 /// The way from a rectangle of a fine level to one of the coarse level.
-pub(super) struct Reduction {
+pub(crate) struct Reduction {
     needs: PixelRect,
     columns: Vec<Taps>,
     rows: Vec<Taps>,
@@ -24,7 +24,7 @@ struct Taps {
 
 impl Reduction {
     /// Between two levels of which the coarse one has at least half the size.
-    pub(super) fn new(fine: OverviewInfo, coarse: OverviewInfo, wanted: PixelRect) -> Self {
+    pub(crate) fn new(fine: OverviewInfo, coarse: OverviewInfo, wanted: PixelRect) -> Self {
         let (x, x_end, columns) = taps(fine.width, coarse.width, wanted.x, wanted.width);
         let (y, y_end, rows) = taps(fine.height, coarse.height, wanted.y, wanted.height);
         Self {
@@ -40,17 +40,18 @@ impl Reduction {
     }
 
     /// The rectangle of the fine level that it reads.
-    pub(super) fn needs(&self) -> PixelRect {
+    pub(crate) fn needs(&self) -> PixelRect {
         self.needs
     }
 
     /// The coarse rectangle. Heights: the mean of those that are there. Colours: premultiplied and
-    /// in linear light.
-    pub(super) fn apply(&self, fine: &Block) -> Block {
+    /// in linear light. Normals: the direction of the sum of unit vectors.
+    pub(crate) fn apply(&self, fine: &Block) -> Block {
         let mut coarse = Block::new(fine.bands(), self.columns.len(), self.rows.len());
         match fine.bands() {
             Bands::Colour => self.colours(fine, &mut coarse),
-            Bands::Height | Bands::Mask | Bands::Normal => self.heights(fine, &mut coarse),
+            Bands::Normal => self.normals(fine, &mut coarse),
+            Bands::Height | Bands::Mask => self.heights(fine, &mut coarse),
         }
         coarse
     }
@@ -73,6 +74,23 @@ impl Reduction {
                 } else {
                     f32::NAN
                 };
+            }
+        }
+    }
+
+    fn normals(&self, fine: &Block, coarse: &mut Block) {
+        let (east, north) = (fine.plane(0), fine.plane(1));
+        let [out_east, out_north] = coarse.planes_mut();
+        for (y, row) in self.rows.iter().enumerate() {
+            for (x, column) in self.columns.iter().enumerate() {
+                let mut sum = glam::DVec3::ZERO;
+                for (i, w) in under(row, column, fine) {
+                    let (e, n) = (f64::from(east[i]), f64::from(north[i]));
+                    sum += w * glam::DVec3::new(e, n, (1.0 - e * e - n * n).max(0.0).sqrt());
+                }
+                let unit = sum.normalize_or(glam::DVec3::Z);
+                let i = y * self.columns.len() + x;
+                (out_east[i], out_north[i]) = (unit.x as f32, unit.y as f32);
             }
         }
     }
@@ -179,6 +197,34 @@ mod tests {
                 prop_assert_eq!(a.first + first as usize, b.first);
                 prop_assert_eq!(a.weights, b.weights);
             }
+        }
+    }
+
+    #[test]
+    fn level_ground_stays_level_and_opposite_slopes_cancel() {
+        let whole = PixelRect {
+            x: 0,
+            y: 0,
+            width: 2,
+            height: 1,
+        };
+        let (fine, coarse) = (
+            OverviewInfo {
+                width: 4,
+                height: 2,
+            },
+            OverviewInfo {
+                width: 2,
+                height: 1,
+            },
+        );
+        let mut normals = Block::filled(Bands::Normal, 4, 2, &[0.0, 0.6]);
+        for (i, e) in normals.plane_mut(0).iter_mut().enumerate() {
+            *e = if i % 2 == 0 { 0.28 } else { -0.28 };
+        }
+        let half = Reduction::new(fine, coarse, whole).apply(&normals);
+        for (e, n) in half.plane(0).iter().zip(half.plane(1)) {
+            assert!(e.abs() < 1e-6 && *n > 0.6 && *n < 0.65, "{e} {n}");
         }
     }
 
