@@ -17,7 +17,7 @@ use relievo_engine::project::{
     SourceRole, Tint, TintInterpolation, TintLayer, TintStop, layer_from_source,
 };
 use relievo_engine::raster::file::Georeference;
-use relievo_engine::raster::write::{CogLayout, CogSamples, write_cog};
+use relievo_engine::raster::write::{CogLayout, CogSamples, CogWork, write_cog};
 use relievo_engine::raster::{Bands, Block, Cancel, PixelRect, Sample};
 use relievo_engine::{ClipKind, Engine, EngineOptions, Frame, Upload, View};
 
@@ -60,9 +60,10 @@ fn write_file(path: &Path) {
             crs: Arc::from("EPSG:4326"),
             plane_from_pixel: [-40.0, 0.1, 0.0, 60.0, 0.0, -0.1],
         }),
+        largest_classic_bytes: CogLayout::LARGEST_CLASSIC_BYTES,
     };
-    let mut source = |rect: PixelRect, block: &mut Block| {
-        *block = Block::new(Bands::Colour, rect.width as usize, rect.height as usize);
+    let source = |rect: PixelRect| {
+        let mut block = Block::new(Bands::Colour, rect.width as usize, rect.height as usize);
         for (plane, samples) in block.planes_mut::<4>().into_iter().enumerate() {
             for (i, sample) in samples.iter_mut().enumerate() {
                 let (x, y) = (
@@ -76,9 +77,14 @@ fn write_file(path: &Path) {
                 };
             }
         }
-        Ok(())
+        Ok(block)
     };
-    write_cog(path, &layout, &mut source, &mut |_| {}, &Cancel::default()).unwrap();
+    let work = CogWork {
+        threads: 1,
+        resume: None,
+        cancel: &Cancel::default(),
+    };
+    write_cog(path, &layout, &source, &work, &mut |_| {}).unwrap();
 }
 
 fn project(folder: &Path) -> Project {

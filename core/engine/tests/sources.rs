@@ -17,7 +17,7 @@ use relievo_engine::project::{
     layer_from_source,
 };
 use relievo_engine::raster::file::Georeference;
-use relievo_engine::raster::write::{CogLayout, CogSamples, write_cog};
+use relievo_engine::raster::write::{CogLayout, CogSamples, CogWork, write_cog};
 use relievo_engine::raster::{Bands, Block, Cancel};
 use relievo_engine::{ClipKind, Engine, EngineOptions, Frame, Severity, SourceState, View};
 
@@ -216,9 +216,10 @@ fn make(west: f64, colour: [u8; 3]) -> Vec<u8> {
             crs: Arc::from("EPSG:4326"),
             plane_from_pixel: [west, 20.0 / 1024.0, 0.0, 10.0, 0.0, -20.0 / 1024.0],
         }),
+        largest_classic_bytes: CogLayout::LARGEST_CLASSIC_BYTES,
     };
-    let mut source = |rect: relievo_engine::raster::PixelRect, block: &mut Block| {
-        *block = Block::new(Bands::Colour, rect.width as usize, rect.height as usize);
+    let source = |rect: relievo_engine::raster::PixelRect| {
+        let mut block = Block::new(Bands::Colour, rect.width as usize, rect.height as usize);
         let [red, green, blue, alpha] = block.planes_mut();
         for i in 0..red.len() {
             let grain = (i * 7 % 31) as f32 / 255.0;
@@ -227,10 +228,14 @@ fn make(west: f64, colour: [u8; 3]) -> Vec<u8> {
             blue[i] = f32::from(colour[2]) / 255.0 + grain;
             alpha[i] = 1.0;
         }
-        Ok(())
+        Ok(block)
     };
-    let cancel = Cancel::default();
-    write_cog(&path, &layout, &mut source, &mut |_| {}, &cancel).unwrap();
+    let work = CogWork {
+        threads: 1,
+        resume: None,
+        cancel: &Cancel::default(),
+    };
+    write_cog(&path, &layout, &source, &work, &mut |_| {}).unwrap();
     fs::read(path).unwrap()
 }
 
