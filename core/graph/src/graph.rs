@@ -114,6 +114,12 @@ impl Graph {
         self.entry(node).cut
     }
 
+    /// All cut points, inputs first.
+    pub fn cuts(&self) -> impl Iterator<Item = NodeIndex> + '_ {
+        let nodes = self.entries.iter().enumerate();
+        nodes.filter_map(|(i, e)| e.cut.map(|_| NodeIndex(i as u32)))
+    }
+
     /// The node itself.
     pub fn node(&self, node: NodeIndex) -> &dyn ImageNode {
         &*self.entry(node).node

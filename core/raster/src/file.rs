@@ -142,8 +142,8 @@ pub trait RasterFile: Send + Sync {
         &[]
     }
 
-    /// 32 bytes that change when the content does: a hash over path-independent facts (length,
-    /// modification time, file name) or over the content.
+    /// 32 bytes that change when the content does: a hash over the file's length, modification time
+    /// and path, or over the content.
     fn fingerprint(&self) -> [u8; 32];
 
     /// Reads a rectangle of an overview into `out` (reshaped to fit): heights in metres with scale

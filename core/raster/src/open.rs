@@ -238,10 +238,11 @@ fn describe(head: &[u8]) -> String {
     }
 }
 
-/// A hash over what changes when a file's content does: its length, modification time and name.
+/// A hash over what changes when a file's content does: its length, modification time and absolute
+/// path. The path, because files of one name, size and date lie in many a folder.
 pub(crate) fn content_hash(path: &Path) -> io::Result<blake3::Hasher> {
     static VERSION: LazyLock<[u8; 32]> =
-        LazyLock::new(|| *blake3::hash(b"relievo raster file 1").as_bytes());
+        LazyLock::new(|| *blake3::hash(b"relievo raster file 2").as_bytes());
     let metadata = std::fs::metadata(path)?;
     // Times before 1970 and systems without them count as 1970.
     let modified = metadata
@@ -253,7 +254,8 @@ pub(crate) fn content_hash(path: &Path) -> io::Result<blake3::Hasher> {
     hash.update(&*VERSION);
     hash.update(&metadata.len().to_le_bytes());
     hash.update(&modified.as_nanos().to_le_bytes());
-    hash.update(path.file_name().unwrap_or_default().as_encoded_bytes());
+    let path = std::path::absolute(path)?;
+    hash.update(path.as_os_str().as_encoded_bytes());
     Ok(hash)
 }
 

@@ -1,5 +1,7 @@
 //! Tiles: immutable, shared squares of stored samples, as caches keep them and GPUs take them.
 
+mod stored;
+
 use std::sync::Arc;
 
 use half::f16;

@@ -29,11 +29,26 @@ impl TileState {
     }
 }
 
+/// Time that a tile took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// To make it from what it reads, or to read it from disk: what it costs to lose it.
+    pub own: Duration,
+    /// To make it with everything that it reads.
+    pub whole: Duration,
+}
+
+impl From<Duration> for Cost {
+    /// Of a tile that reads nothing.
+    fn from(own: Duration) -> Self {
+        Self { own, whole: own }
+    }
+}
+
 struct Entry {
     state: TileState,
     key: TileKey,
-    /// Time it took to make: what it costs to lose it.
-    cost: Duration,
+    cost: Cost,
     /// Whether the latest wants name it.
     wanted: bool,
 }
@@ -66,6 +81,12 @@ impl Cache {
     /// The state of a tile, if it is kept.
     pub fn get(&self, id: ContentId) -> Option<TileState> {
         self.entries.get(&id).map(|e| e.state.clone())
+    }
+
+    /// The state of a tile, if it is kept, and what it cost with everything that it reads.
+    pub fn get_with_cost(&self, id: ContentId) -> Option<(TileState, Duration)> {
+        let entry = self.entries.get(&id)?;
+        Some((entry.state.clone(), entry.cost.whole))
     }
 
     /// Whether a tile is kept.
@@ -101,7 +122,7 @@ impl Cache {
         id: ContentId,
         key: TileKey,
         state: TileState,
-        cost: Duration,
+        cost: Cost,
         wanted: bool,
     ) {
         let memory = state.memory();
@@ -164,7 +185,7 @@ fn worth(entry: &Entry, focus: MapPoint) -> f64 {
     let centre = entry.key.rect().min.as_dvec2() + 128.0;
     let mut offset = (level.sample_from_map(focus) - centre).abs() / 256.0;
     offset.x = offset.x.min(level.tiles().x as f64 - offset.x);
-    entry.cost.as_secs_f64() / (1.0 + offset.length_squared())
+    entry.cost.own.as_secs_f64() / (1.0 + offset.length_squared())
 }
 
 #[cfg(test)]
@@ -196,7 +217,7 @@ mod tests {
                 id(n),
                 key(i64::from(n)),
                 tile(),
-                Duration::from_millis(1),
+                Duration::from_millis(1).into(),
                 n % 2 == 0,
             );
             assert!(cache.used() <= 1_000_000);
@@ -208,11 +229,35 @@ mod tests {
     fn what_is_cheap_and_far_goes_before_what_is_dear_or_near_or_wanted() {
         let mut cache = Cache::new(4 * 263_000);
         cache.set_wanted(|_| false, MapPoint::new(0.0, core::f64::consts::FRAC_PI_2));
-        cache.insert(id(1), key(32), tile(), Duration::from_millis(1), false); // near
-        cache.insert(id(2), key(0), tile(), Duration::from_millis(1), false); // far
-        cache.insert(id(3), key(1), tile(), Duration::from_secs(100), false); // far but dear
-        cache.insert(id(4), key(2), tile(), Duration::from_millis(1), true); // far but wanted
-        cache.insert(id(5), key(32), tile(), Duration::from_millis(1), false);
+        cache.insert(
+            id(1),
+            key(32),
+            tile(),
+            Duration::from_millis(1).into(),
+            false,
+        ); // near
+        cache.insert(
+            id(2),
+            key(0),
+            tile(),
+            Duration::from_millis(1).into(),
+            false,
+        ); // far
+        cache.insert(
+            id(3),
+            key(1),
+            tile(),
+            Duration::from_secs(100).into(),
+            false,
+        ); // far but dear
+        cache.insert(id(4), key(2), tile(), Duration::from_millis(1).into(), true); // far but wanted
+        cache.insert(
+            id(5),
+            key(32),
+            tile(),
+            Duration::from_millis(1).into(),
+            false,
+        );
         assert!(!cache.contains(id(2)));
         assert!(cache.contains(id(3)) && cache.contains(id(4)) && cache.contains(id(5)));
     }
@@ -224,14 +269,14 @@ mod tests {
             id(1),
             key(0),
             TileState::Failed(Arc::new(RenderError::Cancelled)),
-            Duration::ZERO,
+            Cost::default(),
             true,
         );
         cache.insert(
             id(2),
             key(1),
             TileState::Ready(Arc::new(Tile::uniform(Sample::Height(1.0)))),
-            Duration::ZERO,
+            Cost::default(),
             true,
         );
         cache.forget_failures();

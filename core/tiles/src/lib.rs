@@ -8,10 +8,13 @@
 //! order.
 
 pub mod cache;
+pub mod disk;
 pub mod log;
 mod queue;
+mod storing;
 pub mod tiles;
 
 pub use cache::TileState;
+pub use disk::DiskOptions;
 pub use log::LogEntry;
 pub use tiles::{Finished, Stats, Tiles, TilesOptions, Want};

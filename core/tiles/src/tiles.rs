@@ -7,15 +7,30 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use parking_lot::{Condvar, Mutex};
+use parking_lot::{Condvar, Mutex, MutexGuard};
 use relievo_graph::{ContentId, Graph, NodeIndex, RenderError};
 use relievo_planet::{MapPoint, TileKey};
 use relievo_raster::{Cancel, Tile};
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-use crate::cache::{Cache, TileState};
+use crate::cache::{Cache, Cost, TileState};
+use crate::disk::{DiskOptions, Folder, Shelf};
 use crate::log::LogEntry;
-use crate::queue::{Inputs, Job, Queue};
+use crate::queue::{Inputs, Job, Queue, Rank};
+use crate::storing::Storing;
+
+/// Threads that read finished tiles from disk: one would idle while the disk seeks.
+const READERS: usize = 2;
+
+/// A tile that the disk has not given after this is made instead.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// A tile that is only read by others is stored if it cost so many times more than one that is
+/// shown: on reopening it is not needed.
+const INPUT_FACTOR: u32 = 4;
+
+/// Longest time that closing waits for tiles to be written.
+const CLOSING: Duration = Duration::from_secs(2);
 
 /// How a [`Tiles`] works.
 pub struct TilesOptions {
@@ -23,6 +38,8 @@ pub struct TilesOptions {
     pub threads: usize,
     /// Bound of the cache in bytes.
     pub memory: usize,
+    /// Where tiles are kept from run to run; `None`: nowhere.
+    pub disk: Option<DiskOptions>,
     /// Whether [`Tiles::take_log`] records.
     pub log: bool,
     /// Called from a worker after each tile that somebody wants, for a window to wake up.
@@ -30,12 +47,13 @@ pub struct TilesOptions {
 }
 
 impl Default for TilesOptions {
-    /// All cores but one, 1 GiB.
+    /// All cores but one, 1 GiB, nothing on disk.
     fn default() -> Self {
         let cores = std::thread::available_parallelism().map_or(2, usize::from);
         Self {
             threads: (cores - 1).max(1),
             memory: 1 << 30,
+            disk: None,
             log: false,
             wake: None,
         }
@@ -69,6 +87,10 @@ pub struct Finished {
 pub struct Stats {
     /// Tiles made, inputs included.
     pub made: u64,
+    /// Tiles read from disk instead.
+    pub loaded: u64,
+    /// Tiles written to disk.
+    pub stored: u64,
     /// Tiles that could not be made.
     pub failed: u64,
     /// Made although nobody wanted them any more when they were done.
@@ -93,6 +115,10 @@ struct State {
     log: Vec<LogEntry>,
     stats: Stats,
     closing: bool,
+    storing: Storing,
+    /// Least cost of a tile that is stored; `None` without a disk.
+    dear: Option<Duration>,
+    disk: Option<Arc<dyn Shelf>>,
 }
 
 struct Shared {
@@ -101,6 +127,12 @@ struct Shared {
     asked: Condvar,
     /// Signals workers: tasks can run.
     work: Condvar,
+    /// Signals readers: tiles can be read from disk.
+    read: Condvar,
+    /// Signals the writer: there may be something to write.
+    write: Condvar,
+    /// Signals who closes: the writer is done.
+    written: Condvar,
     /// Signals waiters: something finished or the manager is done.
     progress: Condvar,
     cancel: Cancel,
@@ -114,6 +146,8 @@ struct Shared {
 pub struct Tiles {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
+    /// Threads that the disk may hold up, the writer last.
+    on_disk: Vec<JoinHandle<()>>,
 }
 
 impl Tiles {
@@ -122,6 +156,20 @@ impl Tiles {
     /// # Errors
     /// When the system refuses a thread.
     pub fn new(options: TilesOptions) -> std::io::Result<Self> {
+        let disk = options.disk.as_ref().map(|disk| {
+            let folder = Folder::new(&disk.folder, disk.bytes);
+            (Arc::new(folder) as Arc<dyn Shelf>, disk.dear, disk.calm)
+        });
+        Self::with_shelf(options, disk)
+    }
+
+    fn with_shelf(
+        options: TilesOptions,
+        disk: Option<(Arc<dyn Shelf>, Duration, Duration)>,
+    ) -> std::io::Result<Self> {
+        let has_disk = disk.is_some();
+        let calm = disk.as_ref().map_or(Duration::ZERO, |d| d.2);
+        let (disk, dear) = disk.map(|d| (d.0, d.1)).unzip();
         let shared = Arc::new(Shared {
             state: Mutex::new(State {
                 queue: Queue::default(),
@@ -133,9 +181,15 @@ impl Tiles {
                 log: Vec::new(),
                 stats: Stats::default(),
                 closing: false,
+                storing: Storing::new(calm),
+                dear,
+                disk,
             }),
             asked: Condvar::new(),
             work: Condvar::new(),
+            read: Condvar::new(),
+            write: Condvar::new(),
+            written: Condvar::new(),
             progress: Condvar::new(),
             cancel: Cancel::default(),
             log: options.log,
@@ -145,32 +199,46 @@ impl Tiles {
         let mut tiles = Self {
             shared,
             threads: Vec::new(),
+            on_disk: Vec::new(),
         };
-        tiles.spawn("relievo-manager".to_owned(), Shared::manage)?;
+        let manager = tiles.spawn("relievo-manager".to_owned(), Shared::manage)?;
+        tiles.threads.push(manager);
         for n in 0..options.threads.max(1) {
-            tiles.spawn(format!("relievo-worker-{n}"), |shared| {
+            let worker = tiles.spawn(format!("relievo-worker-{n}"), |shared| {
                 // Refused in some sandboxes; the work is the same, only less polite.
                 if let Err(error) = set_current_thread_priority(below_normal()) {
                     tracing::debug!("workers keep their priority: {error:?}");
                 }
                 shared.work_on();
             })?;
+            tiles.threads.push(worker);
+        }
+        if has_disk {
+            for n in 0..READERS {
+                let reader = tiles.spawn(format!("relievo-disk-reader-{n}"), move |shared| {
+                    shared.read_on(n == 0);
+                })?;
+                tiles.on_disk.push(reader);
+            }
+            let writer = tiles.spawn("relievo-disk-writer".to_owned(), |shared| {
+                shared.write_on();
+                shared.state.lock().disk = None;
+                shared.written.notify_all();
+            })?;
+            tiles.on_disk.push(writer);
         }
         Ok(tiles)
     }
 
     fn spawn(
-        &mut self,
+        &self,
         name: String,
         body: impl FnOnce(&Shared) + Send + 'static,
-    ) -> std::io::Result<()> {
+    ) -> std::io::Result<JoinHandle<()>> {
         let shared = Arc::clone(&self.shared);
-        self.threads.push(
-            std::thread::Builder::new()
-                .name(name)
-                .spawn(move || body(&shared))?,
-        );
-        Ok(())
+        std::thread::Builder::new()
+            .name(name)
+            .spawn(move || body(&shared))
     }
 
     /// Replaces what is wanted, most urgent first. Tasks that nobody wants any more are dropped,
@@ -247,11 +315,24 @@ impl Drop for Tiles {
         self.shared.cancel.cancel();
         self.shared.asked.notify_all();
         self.shared.work.notify_all();
+        self.shared.read.notify_all();
+        self.shared.write.notify_all();
         for thread in self.threads.drain(..) {
             if thread.join().is_err() {
                 tracing::error!("a tile thread ended by a panic");
             }
         }
+        // A disk that does not answer must not keep a window from closing.
+        let deadline = Instant::now() + CLOSING;
+        let mut state = self.shared.state.lock();
+        while state.disk.is_some()
+            && !self.on_disk.last().is_some_and(JoinHandle::is_finished)
+            && !self
+                .shared
+                .written
+                .wait_until(&mut state, deadline)
+                .timed_out()
+        {}
     }
 }
 
@@ -264,7 +345,7 @@ fn below_normal() -> ThreadPriority {
 /// Makes a tile. A panic in a node is a bug, but one tile's: it must not take a worker with it and
 /// leave everybody waiting.
 fn make(job: &Job, inputs: &Inputs, cancel: &Cancel) -> Result<Tile, RenderError> {
-    let tile_of = |node, key| Arc::clone(&inputs[&(node, key)]);
+    let tile_of = |node, key| Arc::clone(&inputs.tiles[&(node, key)]);
     let made = catch_unwind(AssertUnwindSafe(|| {
         job.graph.make(job.node, job.key, &tile_of, cancel)
     }));
@@ -281,41 +362,52 @@ impl State {
         self.inbox.is_none() && !self.managing && self.queue.len() == 0
     }
 
-    /// Adds the task for `job` and for everything it depends on, depth first, each id once.
-    fn resolve(&mut self, job: Job) {
+    /// Adds the task for `job` and for everything it depends on, depth first, each id once. What may
+    /// lie on disk is looked for there, and needs nothing else.
+    fn resolve(&mut self, job: Job, rank: Rank) {
         if self.cache.contains(job.id) || self.queue.contains(job.id) {
             return;
         }
+        if self.disk.as_ref().is_some_and(|d| d.may_have(job.id)) {
+            self.queue.add_load(job, rank);
+        } else {
+            self.resolve_making(job, rank);
+        }
+    }
+
+    fn resolve_making(&mut self, job: Job, rank: Rank) {
         let mut inputs = Inputs::default();
         let mut missing = Vec::new();
         for (node, key) in job.graph.dependencies(job.node, job.key) {
             let id = job.graph.content_id(node, key);
-            if let Some(TileState::Ready(tile)) = self.cache.get(id) {
-                inputs.insert((node, key), tile);
+            if let Some((TileState::Ready(tile), cost)) = self.cache.get_with_cost(id) {
+                inputs.tiles.insert((node, key), tile);
+                inputs.cost += cost;
                 continue;
             }
-            self.resolve(Job {
+            let input = Job {
                 graph: Arc::clone(&job.graph),
                 node,
                 key,
                 id,
-            });
+            };
+            self.resolve(input, rank);
             if let Some(TileState::Failed(error)) = self.cache.get(id) {
                 self.fail(&job, &error);
                 return;
             }
             missing.push((id, (node, key)));
         }
-        self.queue.add(job, inputs, &missing);
+        self.queue.add(job, rank, inputs, &missing);
     }
 
     fn fail(&mut self, job: &Job, error: &Arc<RenderError>) {
         self.stats.failed += 1;
-        self.done(job, &TileState::Failed(Arc::clone(error)), Duration::ZERO);
+        self.done(job, &TileState::Failed(Arc::clone(error)), Cost::default());
     }
 
-    /// Stores a result, tells who wants it and who reads it.
-    fn done(&mut self, job: &Job, state: &TileState, cost: Duration) {
+    /// Keeps a result, tells who wants it and who reads it.
+    fn done(&mut self, job: &Job, state: &TileState, cost: Cost) {
         let wanted = self.wanted.contains(&job.id);
         if !wanted && !self.queue.is_read(job.id) {
             self.stats.in_vain += 1;
@@ -329,7 +421,7 @@ impl State {
             });
         }
         let lost = match state {
-            TileState::Ready(tile) => self.queue.finish(job.id, Some(tile)),
+            TileState::Ready(tile) => self.queue.finish(job.id, Some((tile, cost.whole))),
             TileState::Failed(_) => self.queue.finish(job.id, None),
         };
         if let TileState::Failed(error) = state {
@@ -337,6 +429,19 @@ impl State {
                 self.fail(&reader, error);
             }
         }
+    }
+
+    /// Whether a tile that was just made is worth a place on disk.
+    fn is_dear(&self, id: ContentId, tile: &Tile, cost: Cost) -> bool {
+        let Some(dear) = self.dear else { return false };
+        let factor = if self.wanted.contains(&id) {
+            1
+        } else {
+            INPUT_FACTOR
+        };
+        // Larger tiles take longer to read, and take the place of others.
+        let size = tile.memory().div_ceil(1 << 18) as u32;
+        cost.whole >= dear * factor * size
     }
 }
 
@@ -356,11 +461,14 @@ impl Shared {
             };
             state.managing = true;
             state.queue.clear();
+            if let Some(want) = wants.first() {
+                state.storing.follow(&want.graph);
+            }
             let wanted: HashSet<_> = wants.iter().map(|w| w.id).collect();
             state.cache.set_wanted(|id| wanted.contains(&id), focus);
             state.wanted = wanted;
             let mut told = HashSet::new();
-            for want in wants {
+            for (rank, want) in wants.into_iter().enumerate() {
                 if state.inbox.is_some() || state.closing {
                     break;
                 }
@@ -380,19 +488,25 @@ impl Shared {
                     key,
                     id,
                 } = want;
-                state.resolve(Job {
+                let job = Job {
                     graph,
                     node,
                     key,
                     id,
-                });
+                };
+                state.resolve(job, rank as Rank);
                 self.work.notify_one();
+                if state.queue.is_loading() {
+                    self.read.notify_one();
+                }
                 // Others must get the lock between two wants, or drawing would stall on a long list.
-                parking_lot::MutexGuard::bump(&mut state);
+                MutexGuard::bump(&mut state);
             }
             state.managing = false;
             self.progress.notify_all();
             self.work.notify_all();
+            self.read.notify_all();
+            self.write.notify_one();
             self.wake();
         }
     }
@@ -405,7 +519,14 @@ impl Shared {
                 if state.closing {
                     return;
                 }
-                self.work.wait(&mut state);
+                if let Some((job, rank)) = state.queue.give_up_load(PATIENCE) {
+                    state.resolve_making(job, rank);
+                    self.work.notify_all();
+                } else if state.queue.is_loading() {
+                    self.work.wait_for(&mut state, PATIENCE);
+                } else {
+                    self.work.wait(&mut state);
+                }
                 continue;
             };
             if state.closing {
@@ -414,28 +535,110 @@ impl Shared {
             drop(state);
             let started = Instant::now();
             let result = make(&job, &inputs, &self.cancel);
-            let cost = started.elapsed();
+            let own = started.elapsed();
             self.busy_ns
-                .fetch_add(cost.as_nanos() as u64, Ordering::Relaxed);
+                .fetch_add(own.as_nanos() as u64, Ordering::Relaxed);
+            let cost = Cost {
+                own,
+                whole: own + inputs.cost,
+            };
+            drop(inputs);
             state = self.state.lock();
-            self.store(&mut state, &job, result, cost);
-            self.progress.notify_all();
-            self.work.notify_all();
-            parking_lot::MutexGuard::unlocked(&mut state, || self.wake());
+            self.keep(&mut state, &job, result, cost);
+            self.tell(&mut state);
         }
     }
 
-    fn store(
-        &self,
-        state: &mut State,
-        job: &Job,
-        result: Result<Tile, RenderError>,
-        cost: Duration,
-    ) {
+    /// Tells everybody that something finished.
+    fn tell(&self, state: &mut MutexGuard<State>) {
+        self.progress.notify_all();
+        self.work.notify_all();
+        self.read.notify_all();
+        self.write.notify_one();
+        MutexGuard::unlocked(state, || self.wake());
+    }
+
+    /// A reader: takes the first tile that may lie on disk.
+    fn read_on(&self, lists: bool) {
+        let mut state = self.state.lock();
+        let Some(disk) = state.disk.clone() else {
+            return;
+        };
+        if lists {
+            MutexGuard::unlocked(&mut state, || disk.list());
+        }
+        loop {
+            if state.closing {
+                return;
+            }
+            let Some(id) = state.queue.start_load() else {
+                self.read.wait(&mut state);
+                continue;
+            };
+            let started = Instant::now();
+            let found = MutexGuard::unlocked(&mut state, || disk.load(id));
+            let Some((job, rank)) = state.queue.end_load(id) else {
+                continue;
+            };
+            match found {
+                Some(loaded) => {
+                    state.stats.loaded += 1;
+                    let cost = Cost {
+                        own: started.elapsed(),
+                        whole: loaded.cost,
+                    };
+                    state.done(&job, &TileState::Ready(Arc::new(loaded.tile)), cost);
+                }
+                None if state.wanted.contains(&id) || state.queue.is_read(id) => {
+                    state.resolve_making(job, rank);
+                }
+                None => {}
+            }
+            self.tell(&mut state);
+        }
+    }
+
+    /// The writer: stores what was dear while nothing is wanted.
+    fn write_on(&self) {
+        let mut state = self.state.lock();
+        let Some(disk) = state.disk.clone() else {
+            return;
+        };
+        loop {
+            let due = state.storing.due_in();
+            match due {
+                None if state.closing => return,
+                Some(wait) if !state.closing && state.is_idle() && !wait.is_zero() => {
+                    self.write.wait_for(&mut state, wait);
+                    continue;
+                }
+                Some(_) if state.closing || state.is_idle() => {}
+                _ => {
+                    self.write.wait(&mut state);
+                    continue;
+                }
+            }
+            let Some((next, graph)) = state.storing.next() else {
+                continue;
+            };
+            let Some(TileState::Ready(tile)) = state.cache.get(next.id()) else {
+                continue;
+            };
+            let stored = MutexGuard::unlocked(&mut state, || {
+                next.is_of(&graph) && disk.save(next.id(), &tile, next.cost)
+            });
+            state.stats.stored += u64::from(stored);
+        }
+    }
+
+    fn keep(&self, state: &mut State, job: &Job, result: Result<Tile, RenderError>, cost: Cost) {
         let ready = result.is_ok();
         let outcome = match result {
             Ok(tile) => {
                 state.stats.made += 1;
+                if state.is_dear(job.id, &tile, cost) {
+                    state.storing.add(job.clone(), cost.whole);
+                }
                 TileState::Ready(Arc::new(tile))
             }
             Err(RenderError::Cancelled) => {
@@ -456,7 +659,7 @@ impl Shared {
                 key: job.key,
                 id: job.id,
                 ready,
-                cost,
+                cost: cost.own,
             });
         }
         state.done(job, &outcome, cost);
@@ -468,3 +671,6 @@ impl Shared {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,7 +19,7 @@ impl Resolver<'_> {
         match source {
             Source::Uniform(value) => {
                 let mut id = IdHasher::default();
-                add_uniform(value, type_tag(stored), &mut id);
+                add_uniform(value, i64::from(stored.tag()), &mut id);
                 id.finish()
             }
             Source::Raw(_) | Source::Cut(_) => self.id(source, at),
@@ -75,7 +75,7 @@ impl Resolver<'_> {
             // Colours kept exactly are what the node gives: a pin renames nothing that reads it.
             return self.known_id(raw, at).expect("inputs are named first");
         }
-        id.bytes(b"cut").int(type_tag(stored));
+        id.bytes(b"cut").int(i64::from(stored.tag()));
         self.add(raw, at, &mut id);
         id.finish()
     }
@@ -155,18 +155,6 @@ impl Resolver<'_> {
 
 /// In place of a sample type for values between nodes.
 const UNSTORED: i64 = 0;
-
-/// Stable over versions of the program, unlike the order of an enum.
-fn type_tag(stored: SampleType) -> i64 {
-    match stored {
-        SampleType::Height => 1,
-        SampleType::Rgba8 => 2,
-        SampleType::Rgba16F => 3,
-        SampleType::Rgba32F => 4,
-        SampleType::Mask => 5,
-        SampleType::Normal => 6,
-    }
-}
 
 fn add_uniform(value: [f32; 4], tag: i64, id: &mut IdHasher) {
     id.bytes(b"uniform").int(tag);
