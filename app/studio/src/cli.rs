@@ -5,6 +5,7 @@
 
 mod apply;
 mod bake;
+mod cache;
 mod check;
 mod info;
 mod new;
@@ -14,6 +15,8 @@ mod render;
 mod sample;
 mod schema;
 mod units;
+
+pub use cache::Cache;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -45,6 +48,8 @@ struct Arguments {
     /// Threads that make tiles, 1 to 1024. Default: all cores but one.
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    cache: cache::Arguments,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -69,6 +74,8 @@ pub(crate) struct Context<'a> {
     cancel: &'a Cancel,
     /// Threads that make tiles.
     threads: Option<usize>,
+    /// What is kept from run to run.
+    cache: Cache,
 }
 
 /// How a command ended other than well.
@@ -139,6 +146,7 @@ fn dispatch(arguments: Arguments, out: &mut dyn Write, cancel: &Cancel) -> Resul
         out,
         cancel,
         threads,
+        cache: arguments.cache.decide(),
     };
     match (arguments.project, arguments.command) {
         (Some(project), Some(_)) => Err(Failure::Input(format!(
@@ -146,9 +154,11 @@ fn dispatch(arguments: Arguments, out: &mut dyn Write, cancel: &Cancel) -> Resul
             project.display()
         ))),
         (project, None) => {
-            crate::window::open(project, threads, cancel).map_err(|failed| match failed {
-                crate::window::OpenWindowError::Project(line) => Failure::Input(line),
-                crate::window::OpenWindowError::System(line) => Failure::System(line),
+            crate::window::open(project, threads, context.cache, cancel).map_err(|failed| {
+                match failed {
+                    crate::window::OpenWindowError::Project(line) => Failure::Input(line),
+                    crate::window::OpenWindowError::System(line) => Failure::System(line),
+                }
             })
         }
         (None, Some(Command::Render(a))) => render::run(&a, &mut context),

@@ -33,6 +33,8 @@ use eframe::egui;
 use relievo_engine::OpenError;
 use relievo_engine::raster::Cancel;
 
+use crate::cli::Cache;
+
 pub use action::Action;
 pub use document::Document;
 pub use navigation::Navigation;
@@ -57,11 +59,13 @@ pub enum OpenWindowError {
 pub fn open(
     project: Option<PathBuf>,
     threads: Option<usize>,
+    cache: Cache,
     cancel: &Cancel,
 ) -> Result<(), OpenWindowError> {
     let options = StudioOptions {
         threads,
-        ..StudioOptions::default()
+        cache_folder: cache.folder,
+        disk_cache: cache.bytes,
     };
     let mut studio = Studio::new(options).map_err(|e| OpenWindowError::System(e.to_string()))?;
     if let Some(path) = project {

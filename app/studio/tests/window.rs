@@ -31,6 +31,7 @@ impl Window {
         let mut studio = Studio::new(StudioOptions {
             threads: Some(1),
             cache_folder: None,
+            disk_cache: 0,
         })
         .unwrap();
         studio.open_project(&file).unwrap();

@@ -18,10 +18,11 @@ use relievo_planet::MapPoint;
 use relievo_planet::clipmap::plan::HeightRange;
 use relievo_planet::clipmap::{Plan, Planner};
 use relievo_project::{History, LayerId, Project};
-use relievo_tiles::{LogEntry, TileState, Tiles, TilesOptions};
+use relievo_tiles::{LogEntry, TileState, Tiles};
 
 pub use self::options::{
-    EngineOptions, EngineStats, Kept, OpenError, default_cache_folder, folder_of,
+    DEFAULT_DISK_CACHE_BYTES, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder,
+    folder_of,
 };
 use crate::compile::{self, NodeCache};
 use crate::frame::{ClipKind, Frame};
@@ -100,17 +101,7 @@ impl Engine {
     /// # Errors
     /// When the system refuses a thread.
     pub fn new(project: Project, folder: &Path, options: EngineOptions) -> std::io::Result<Self> {
-        let mut tile_options = TilesOptions {
-            memory: options.memory,
-            log: options.log,
-            ..TilesOptions::default()
-        };
-        if let Some(threads) = options.threads {
-            tile_options.threads = threads.max(1);
-        }
-        if let Some(wake) = options.wake.clone() {
-            tile_options.wake = Some(Box::new(move || wake()));
-        }
+        let tile_options = options.tiles();
         let sources = Sources::new(options.cache_folder, options.wake, options.watch)?;
         let nodes = NodeCache::default();
         let empty = compile::compile(&Project::default(), folder, &sources, &nodes, None);

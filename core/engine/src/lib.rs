@@ -18,7 +18,8 @@ mod view;
 
 pub use bake::{Bake, BakeError, Output};
 pub use engine::{
-    Engine, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder, folder_of,
+    DEFAULT_DISK_CACHE_BYTES, Engine, EngineOptions, EngineStats, Kept, OpenError,
+    default_cache_folder, folder_of,
 };
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
 pub use message::{Message, Severity};

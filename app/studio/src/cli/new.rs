@@ -9,8 +9,9 @@ use relievo_engine::project::{
 use relievo_engine::raster::crs::Crs;
 use relievo_engine::raster::open::{OpenOptions, open};
 use relievo_engine::raster::{Bands, RasterInfo};
-use relievo_engine::{Engine, EngineOptions, engine::folder_of};
+use relievo_engine::{Engine, engine::folder_of};
 
+use super::cache::engine_options;
 use super::{Context, Failure, project};
 use crate::coverage::Coverage;
 
@@ -62,10 +63,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
             layer: Box::new(layer),
         });
     }
-    let options = EngineOptions {
-        threads: context.threads,
-        ..EngineOptions::default()
-    };
+    let options = engine_options(context.threads, &context.cache);
     let mut engine = Engine::new(Project::default(), &folder, options).map_err(Failure::system)?;
     let label = String::new();
     engine

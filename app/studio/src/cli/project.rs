@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use relievo_engine::project::LayerId;
-use relievo_engine::{Engine, EngineOptions, OpenError, Severity, SourceState};
+use relievo_engine::{Engine, OpenError, Severity, SourceState};
 
+use super::cache::engine_options;
 use super::progress::Progress;
 use super::{Context, Failure};
 
@@ -17,10 +18,7 @@ pub(crate) fn absolute(path: &Path) -> Result<PathBuf, Failure> {
 
 /// An engine on a project file; its sources are still being opened.
 pub(crate) fn open(path: &Path, context: &Context) -> Result<Engine, Failure> {
-    let options = EngineOptions {
-        threads: context.threads,
-        ..EngineOptions::default()
-    };
+    let options = engine_options(context.threads, &context.cache);
     match Engine::open(&absolute(path)?, options) {
         Ok((engine, _stamp)) => Ok(engine),
         Err(error @ OpenError::Project(_)) => Err(Failure::input(error)),

@@ -10,7 +10,9 @@ use eframe::egui::{self, CentralPanel, Frame, Key, Margin, MenuBar, Panel, Ui, V
 use relievo_engine::planet::Camera;
 use relievo_engine::project::LayerId;
 use relievo_engine::raster::Cancel;
-use relievo_engine::{EngineOptions, OpenError, Severity, default_cache_folder};
+use relievo_engine::{
+    DEFAULT_DISK_CACHE_BYTES, EngineOptions, OpenError, Severity, default_cache_folder,
+};
 
 use super::action::Action;
 use super::dialogs::{self, Dialog, Then};
@@ -30,8 +32,10 @@ use crate::commands::{self, Command, Menu, TABLE};
 pub struct StudioOptions {
     /// Threads that make tiles; `None`: all cores but one.
     pub threads: Option<usize>,
-    /// Where pyramids of big images are kept; `None`: nowhere.
+    /// Where pyramids of big images and finished tiles are kept; `None`: nowhere.
     pub cache_folder: Option<PathBuf>,
+    /// Most that finished tiles take there, in bytes.
+    pub disk_cache: u64,
 }
 
 impl Default for StudioOptions {
@@ -40,6 +44,7 @@ impl Default for StudioOptions {
         Self {
             threads: None,
             cache_folder: default_cache_folder(),
+            disk_cache: DEFAULT_DISK_CACHE_BYTES,
         }
     }
 }
@@ -494,6 +499,7 @@ fn engine_options(options: &StudioOptions, waker: &Waker) -> EngineOptions {
     EngineOptions {
         threads: options.threads,
         cache_folder: options.cache_folder.clone(),
+        disk_cache: options.disk_cache,
         wake: Some(Arc::new(move || waker.wake())),
         ..EngineOptions::default()
     }

@@ -5,6 +5,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use relievo_project::OpenProjectError;
+use relievo_tiles::{DiskOptions, TilesOptions};
+
+/// Bound of the finished tiles in the cache folder unless told otherwise.
+pub const DEFAULT_DISK_CACHE_BYTES: u64 = 2 << 30;
 
 /// How an engine works.
 pub struct EngineOptions {
@@ -12,8 +16,11 @@ pub struct EngineOptions {
     pub threads: Option<usize>,
     /// Bound of the tile cache in bytes.
     pub memory: usize,
-    /// Where pyramids of big images are kept; `None`: nowhere, they are made in memory.
+    /// Where pyramids of big images and finished tiles are kept from run to run; `None`: nowhere,
+    /// pyramids are made in memory.
     pub cache_folder: Option<PathBuf>,
+    /// Bound in bytes of the finished tiles in the cache folder; 0: none are kept there.
+    pub disk_cache: u64,
     /// Whether [`Engine::take_log`](super::Engine::take_log) records which tiles were made.
     pub log: bool,
     /// How often files are looked at, so that one that changed on disk, came back or is gone is
@@ -24,16 +31,40 @@ pub struct EngineOptions {
 }
 
 impl Default for EngineOptions {
-    /// All cores but one, 1 GiB, the user's cache folder, files as they were opened.
+    /// All cores but one, 1 GiB, the user's cache folder with 2 GiB of tiles, files as they were opened.
     fn default() -> Self {
         Self {
             threads: None,
             memory: 1 << 30,
             cache_folder: default_cache_folder(),
+            disk_cache: DEFAULT_DISK_CACHE_BYTES,
             log: false,
             watch: None,
             wake: None,
         }
+    }
+}
+
+impl EngineOptions {
+    pub(super) fn tiles(&self) -> TilesOptions {
+        let mut tiles = TilesOptions {
+            memory: self.memory,
+            log: self.log,
+            ..TilesOptions::default()
+        };
+        if let Some(threads) = self.threads {
+            tiles.threads = threads.max(1);
+        }
+        if let Some(wake) = self.wake.clone() {
+            tiles.wake = Some(Box::new(move || wake()));
+        }
+        if let (Some(folder), 1..) = (&self.cache_folder, self.disk_cache) {
+            tiles.disk = Some(DiskOptions {
+                bytes: self.disk_cache,
+                ..DiskOptions::new(folder.clone())
+            });
+        }
+        tiles
     }
 }
 
