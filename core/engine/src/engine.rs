@@ -1,5 +1,6 @@
 //! The engine: one project, its revisions, one view.
 
+mod ahead;
 mod asking;
 mod edits;
 mod options;
@@ -20,6 +21,7 @@ use relievo_planet::clipmap::{Plan, Planner};
 use relievo_project::{History, LayerId, Project};
 use relievo_tiles::{LogEntry, TileState, Tiles};
 
+use self::ahead::Ahead;
 pub use self::options::{
     DEFAULT_DISK_CACHE_BYTES, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder,
     folder_of,
@@ -58,6 +60,9 @@ pub struct Engine {
     stale: bool,
     view: Option<View>,
     planner: Planner,
+    /// Finest levels n of heights and colours that the data is worth near the focus.
+    finest: (u8, u8),
+    ahead: Ahead,
     plan: Option<Arc<Plan>>,
     /// The ground that the plan was made for.
     planned_on: (Bounds, f64),
@@ -120,6 +125,8 @@ impl Engine {
             stale: true,
             view: None,
             planner: Planner::default(),
+            finest: (0, 0),
+            ahead: Ahead::default(),
             plan: None,
             planned_on: (
                 Bounds(HeightRange {
@@ -208,6 +215,7 @@ impl Engine {
             self.publish();
         }
         self.replan(&view);
+        self.observe(&view, dt_s);
         let mut budget = if ready || dt_s.is_infinite() {
             usize::MAX
         } else {

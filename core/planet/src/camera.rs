@@ -12,6 +12,7 @@ mod fly;
 mod go_to;
 mod orbit;
 mod parse;
+mod path;
 mod projection;
 
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -23,6 +24,7 @@ use crate::{MapPoint, Planet};
 pub use fly::{Fly, FlyInput};
 pub use go_to::GoTo;
 pub use parse::CameraError;
+pub use path::PathAhead;
 pub use projection::near_plane_m;
 
 /// Least height of the eye above the ground in metres.

@@ -11,10 +11,11 @@ pub mod cache;
 pub mod disk;
 pub mod log;
 mod queue;
+mod reads;
 mod storing;
 pub mod tiles;
 
-pub use cache::TileState;
+pub use cache::{Focus, TileState};
 pub use disk::DiskOptions;
 pub use log::LogEntry;
 pub use tiles::{Finished, Stats, Tiles, TilesOptions, Want};

@@ -9,14 +9,15 @@ use std::time::{Duration, Instant};
 
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use relievo_graph::{ContentId, Graph, NodeIndex, RenderError};
-use relievo_planet::{MapPoint, TileKey};
+use relievo_planet::TileKey;
 use relievo_raster::{Cancel, Tile};
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-use crate::cache::{Cache, Cost, TileState};
+use crate::cache::{Cache, Cost, Focus, TileState};
 use crate::disk::{DiskOptions, Folder, Shelf};
 use crate::log::LogEntry;
 use crate::queue::{Inputs, Job, Queue, Rank};
+use crate::reads::Reads;
 use crate::storing::Storing;
 
 /// Threads that read finished tiles from disk: one would idle while the disk seeks.
@@ -109,13 +110,14 @@ struct State {
     /// What the latest call of `want` named.
     wanted: HashSet<ContentId>,
     /// Wants that the manager has not looked at yet.
-    inbox: Option<(Vec<Want>, MapPoint)>,
+    inbox: Option<(Vec<Want>, Focus)>,
     managing: bool,
     finished: Vec<Finished>,
     log: Vec<LogEntry>,
     stats: Stats,
     closing: bool,
     storing: Storing,
+    reads: Reads,
     /// Least cost of a tile that is stored; `None` without a disk.
     dear: Option<Duration>,
     disk: Option<Arc<dyn Shelf>>,
@@ -182,6 +184,7 @@ impl Tiles {
                 stats: Stats::default(),
                 closing: false,
                 storing: Storing::new(calm),
+                reads: Reads::default(),
                 dear,
                 disk,
             }),
@@ -243,9 +246,9 @@ impl Tiles {
 
     /// Replaces what is wanted, most urgent first. Tasks that nobody wants any more are dropped,
     /// running ones finish. Returns at once.
-    pub fn want(&self, wants: Vec<Want>, focus: MapPoint) {
+    pub fn want(&self, wants: Vec<Want>, focus: impl Into<Focus>) {
         let mut state = self.shared.state.lock();
-        state.inbox = Some((wants, focus));
+        state.inbox = Some((wants, focus.into()));
         drop(state);
         self.shared.asked.notify_one();
     }
@@ -378,8 +381,7 @@ impl State {
     fn resolve_making(&mut self, job: Job, rank: Rank) {
         let mut inputs = Inputs::default();
         let mut missing = Vec::new();
-        for (node, key) in job.graph.dependencies(job.node, job.key) {
-            let id = job.graph.content_id(node, key);
+        for &(node, key, id) in self.reads.of(&job).iter() {
             if let Some((TileState::Ready(tile), cost)) = self.cache.get_with_cost(id) {
                 inputs.tiles.insert((node, key), tile);
                 inputs.cost += cost;

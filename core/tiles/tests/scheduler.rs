@@ -284,3 +284,78 @@ fn an_uncoloured_constant_needs_no_inputs() {
     let done = make(&tiles, wants(&graph, c, &keys()));
     assert_eq!(done.len(), 1, "16 equal tiles are one content");
 }
+
+/// A source that answers only when the test lets it, one tile at a time.
+struct Gate {
+    open: Arc<(std::sync::Mutex<u32>, std::sync::Condvar)>,
+    entered: Arc<std::sync::atomic::AtomicU32>,
+}
+
+impl ImageNode for Gate {
+    fn kind(&self) -> &'static str {
+        "gate"
+    }
+    fn output(&self) -> Bands {
+        Bands::Height
+    }
+    fn is_pointwise(&self) -> bool {
+        true
+    }
+    fn identify(&self, grid: &Grid, id: &mut IdHasher) {
+        id.grid(grid);
+    }
+    fn render(&self, job: &Job, _: &[&Block], out: &mut Block) -> Result<(), RenderError> {
+        self.entered.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
+        let (tickets, came) = &*self.open;
+        let mut left = tickets.lock().unwrap();
+        while *left == 0 {
+            left = came.wait(left).unwrap();
+        }
+        *left -= 1;
+        out.samples_mut().fill(job.grid.rect.min.x as f32);
+        out.samples_mut()[0] = -1.0;
+        Ok(())
+    }
+}
+
+#[test]
+fn a_source_that_does_not_answer_holds_up_its_worker_and_nobody_else() {
+    let open = Arc::new((std::sync::Mutex::new(0), std::sync::Condvar::new()));
+    let entered = Arc::new(std::sync::atomic::AtomicU32::new(0));
+    let gate = Gate {
+        open: Arc::clone(&open),
+        entered: Arc::clone(&entered),
+    };
+    let mut b = GraphBuilder::default();
+    let node = b.add(Arc::new(gate), &[]);
+    b.cut(node, SampleType::Height);
+    let graph = Arc::new(b.build());
+    // Coarse before fine, as a plan gives them.
+    let tile = |level: u8, column| TileKey::new(LevelKey::new(level + 1, level), column, 0).unwrap();
+    let keys: Vec<_> = (0..4).flat_map(|l| [tile(l, 0), tile(l, 1)]).collect();
+    let tiles = tiles(1);
+    tiles.want(wants(&graph, node, &keys), MapPoint::new(0.0, 1.5));
+    while entered.load(std::sync::atomic::Ordering::SeqCst) == 0 {
+        std::thread::yield_now();
+    }
+    // The only worker is inside the source. Whoever asks, looks or asks anew comes back at once; did
+    // one of these wait for the source, this test would never end.
+    assert!(tiles.take_finished().is_empty());
+    assert!(tiles.get(graph.content_id(node, keys[0])).is_none());
+    for from in [1, 0] {
+        tiles.want(wants(&graph, node, &keys[from..]), MapPoint::new(0.0, 1.5));
+    }
+    assert!(tiles.stats().pending >= 1);
+    let mut order = Vec::new();
+    for _ in &keys {
+        *open.0.lock().unwrap() += 1;
+        open.1.notify_all();
+        let before = order.len();
+        while order.len() == before {
+            tiles.wait(Duration::from_secs(20));
+            order.extend(tiles.take_finished().into_iter().map(|f| f.id));
+        }
+    }
+    let expected: Vec<_> = keys.iter().map(|k| graph.content_id(node, *k)).collect();
+    assert_eq!(order, expected, "the coarse ones are there after as many answers as there are");
+}

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use relievo_graph::ContentId;
 use relievo_planet::TileKey;
 use relievo_planet::clipmap::ClipKind as PlanKind;
-use relievo_tiles::{TileState, Want};
+use relievo_tiles::{Focus, TileState, Want};
 
 use super::Engine;
 use crate::frame::{ClipKind, Upload};
@@ -79,14 +79,23 @@ impl Engine {
             .iter()
             .filter(|w| !self.arrived.contains_key(&w.id))
             .count();
-        if prefetch && self.making.is_none() {
+        let visible = wants.len();
+        let prefetch = prefetch && self.making.is_none();
+        if prefetch {
             self.missing(&scene, plan.prefetch_tiles(), PREFETCH, &mut wants);
         }
         self.asked = wants.iter().map(|w| w.id).collect();
         let asked = &self.asked;
         self.arrived.retain(|id, _| asked.contains(id));
+        let mut focus = Focus::from(plan.focus);
+        if prefetch {
+            // Tiles along the path are waited for in the cache: no window has a place for them yet.
+            let (ahead, both) = self.wants_ahead(&scene, &plan, &self.asked);
+            wants.splice(visible..visible, ahead);
+            focus = both;
+        }
         wants.retain(|w| !self.arrived.contains_key(&w.id));
-        self.tiles.want(wants, plan.focus);
+        self.tiles.want(wants, focus);
     }
 
     fn missing(

@@ -19,35 +19,43 @@ impl Engine {
         )
     }
 
-    pub(super) fn replan(&mut self, view: &View) {
-        if !self.dirty && self.plan.as_ref().is_some_and(|p| p.settled) {
-            return;
-        }
+    /// What is asked of the planner for a view; the ground is that of the latest plan.
+    pub(super) fn plan_input<'a>(&self, view: &View, terrain: &'a Bounds) -> PlanInput<'a> {
         let settings = &self.project.planet;
-        let planet = settings.body.figure();
-        let below = view.camera.map_point();
-        let (terrain, ground_m) = self.ground(view);
-        self.planned_on = (terrain, ground_m);
-        let near = self.plan.as_ref().map_or(below, |p| p.focus);
-        let target = self.target();
-        let finest_height = target.finest_near(near, HEIGHT_WINDOW);
-        let finest_colour = target.finest_near(near, view.colour_window);
-        let plan = self.planner.plan(&PlanInput {
+        PlanInput {
             camera: view.camera,
-            planet,
+            planet: settings.body.figure(),
             viewport_px: view.viewport_px,
-            ground_m,
-            terrain: &terrain,
+            ground_m: self.planned_on.1,
+            terrain,
             exaggeration: settings.vertical_exaggeration,
             quality: Quality {
                 height_samples: HEIGHT_WINDOW,
                 colour_samples: view.colour_window,
                 height_texel_px: view.height_texel_px,
                 colour_texel_px: view.colour_texel_px,
-                finest_height_level: finest_height,
-                finest_colour_level: finest_colour,
+                finest_height_level: self.finest.0,
+                finest_colour_level: self.finest.1,
             },
-        });
+        }
+    }
+
+    pub(super) fn replan(&mut self, view: &View) {
+        if !self.dirty && self.plan.as_ref().is_some_and(|p| p.settled) {
+            return;
+        }
+        let below = view.camera.map_point();
+        let (terrain, ground_m) = self.ground(view);
+        self.planned_on = (terrain, ground_m);
+        let near = self.plan.as_ref().map_or(below, |p| p.focus);
+        let target = self.target();
+        self.finest = (
+            target.finest_near(near, HEIGHT_WINDOW),
+            target.finest_near(near, view.colour_window),
+        );
+        let mut planner = std::mem::take(&mut self.planner);
+        let plan = planner.plan(&self.plan_input(view, &terrain));
+        self.planner = planner;
         let shown = Arc::clone(&self.shown);
         let (arrived, tiles) = (&self.arrived, &self.tiles);
         for (kind, stack) in self.stacks.each_mut() {
