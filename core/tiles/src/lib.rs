@@ -4,6 +4,9 @@
 //! says so ([`Tiles::wait`]); the result of a task depends on its content id alone, never on when
 //! or where it ran.
 //!
+//! A disk is never waited for: what it does not give soon is made, and what it holds is checked byte for
+//! byte before it is shown.
+//!
 //! Absent: clipmaps and views. Whoever calls [`Tiles::want`] decides what is wanted and in which
 //! order.
 

@@ -305,7 +305,8 @@ impl ImageNode for Gate {
         id.grid(grid);
     }
     fn render(&self, job: &Job, _: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        self.entered.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
+        self.entered
+            .fetch_add(1, std::sync::atomic::Ordering::SeqCst);
         let (tickets, came) = &*self.open;
         let mut left = tickets.lock().unwrap();
         while *left == 0 {
@@ -331,7 +332,8 @@ fn a_source_that_does_not_answer_holds_up_its_worker_and_nobody_else() {
     b.cut(node, SampleType::Height);
     let graph = Arc::new(b.build());
     // Coarse before fine, as a plan gives them.
-    let tile = |level: u8, column| TileKey::new(LevelKey::new(level + 1, level), column, 0).unwrap();
+    let tile =
+        |level: u8, column| TileKey::new(LevelKey::new(level + 1, level), column, 0).unwrap();
     let keys: Vec<_> = (0..4).flat_map(|l| [tile(l, 0), tile(l, 1)]).collect();
     let tiles = tiles(1);
     tiles.want(wants(&graph, node, &keys), MapPoint::new(0.0, 1.5));
@@ -357,5 +359,8 @@ fn a_source_that_does_not_answer_holds_up_its_worker_and_nobody_else() {
         }
     }
     let expected: Vec<_> = keys.iter().map(|k| graph.content_id(node, *k)).collect();
-    assert_eq!(order, expected, "the coarse ones are there after as many answers as there are");
+    assert_eq!(
+        order, expected,
+        "the coarse ones are there after as many answers as there are"
+    );
 }

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use relievo_engine::{DEFAULT_DISK_CACHE_BYTES, EngineOptions, default_cache_folder};
 
-/// Where pyramids of big images and finished tiles are kept.
+// Where pyramids of big images and finished tiles are kept. (Not a doc comment: clap would show it as
+// what the program is for.)
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Folder for pyramids of big images and finished tiles, kept from run to run; made if it is not

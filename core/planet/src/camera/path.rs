@@ -198,13 +198,13 @@ mod tests {
 
     /// A flight that comes down by `rate` a second while it goes north-east, at time t.
     fn flight(t_s: f64, rate: f64, heights_per_s: f64) -> Camera {
-        let altitude_m = 1e4 * libm::exp(-rate * t_s);
+        let altitude_m = 1e3 * libm::exp(-rate * t_s);
         let way = if rate == 0.0 {
             t_s
         } else {
             (1.0 - libm::exp(-rate * t_s)) / rate
         };
-        let degrees = (heights_per_s * 1e4 / R * way).to_degrees();
+        let degrees = (heights_per_s * 1e3 / R * way).to_degrees();
         let mut at = camera(170.0 + degrees / libm::cos(0.7), 40.0 + degrees, altitude_m);
         at.heading_rad = wrap_longitude(6.2 + 0.3 * t_s);
         at
@@ -221,7 +221,7 @@ mod tests {
         #[test]
         fn a_steady_flight_is_foreseen_whatever_the_clock_does(
             gaps in prop::collection::vec(0.002..0.09_f64, 30..60),
-            rate in -1.5..1.5_f64, speed in -8.0..8.0_f64,
+            rate in -0.5..1.5_f64, speed in -8.0..8.0_f64,
         ) {
             prop_assume!(rate.abs() > 0.05 && speed.abs() > 0.05);
             let mut path = PathAhead::default();

@@ -1,8 +1,6 @@
-use std::sync::atomic::AtomicBool;
-
 use relievo_graph::GraphBuilder;
 use relievo_graph::nodes::{Noise, NoiseParams};
-use relievo_planet::{LevelKey, Planet};
+use relievo_planet::{LevelKey, MapPoint, Planet};
 use relievo_raster::SampleType;
 
 use super::*;
@@ -11,8 +9,23 @@ use crate::disk::Loaded;
 /// A disk that says it has everything and does not answer until it is told to.
 #[derive(Default)]
 struct Stuck {
-    answers: AtomicBool,
+    answers: Mutex<bool>,
+    told: Condvar,
     asked: AtomicU64,
+}
+
+impl Stuck {
+    fn answer(&self) {
+        *self.answers.lock() = true;
+        self.told.notify_all();
+    }
+
+    fn wait(&self) {
+        let mut answers = self.answers.lock();
+        while !*answers {
+            self.told.wait(&mut answers);
+        }
+    }
 }
 
 impl Shelf for Stuck {
@@ -22,15 +35,11 @@ impl Shelf for Stuck {
     }
     fn load(&self, _: ContentId) -> Option<Loaded> {
         self.asked.fetch_add(1, Ordering::Relaxed);
-        while !self.answers.load(Ordering::Relaxed) {
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        self.wait();
         None
     }
     fn save(&self, _: ContentId, _: &Tile, _: Duration) -> bool {
-        while !self.answers.load(Ordering::Relaxed) {
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        self.wait();
         false
     }
 }
@@ -88,13 +97,13 @@ fn a_disk_that_does_not_answer_holds_up_neither_workers_nor_closing() {
     assert_eq!(finished, names, "made in the order of wants, each once");
     assert!(shelf.asked.load(Ordering::Relaxed) >= 1);
     drop(tiles);
-    shelf.answers.store(true, Ordering::Relaxed);
+    shelf.answer();
 }
 
 #[test]
 fn a_tile_that_is_not_there_is_made_in_its_place_in_the_order() {
     let shelf = Arc::new(Stuck::default());
-    shelf.answers.store(true, Ordering::Relaxed);
+    shelf.answer();
     let options = TilesOptions {
         threads: 2,
         log: true,
