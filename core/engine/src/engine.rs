@@ -63,6 +63,8 @@ pub struct Engine {
     /// Finest levels n of heights and colours that the data is worth near the focus.
     finest: (u8, u8),
     ahead: Ahead,
+    /// Tiles asked for along the path, at most.
+    prefetch: usize,
     plan: Option<Arc<Plan>>,
     /// The ground that the plan was made for.
     planned_on: (Bounds, f64),
@@ -107,6 +109,7 @@ impl Engine {
     /// When the system refuses a thread.
     pub fn new(project: Project, folder: &Path, options: EngineOptions) -> std::io::Result<Self> {
         let tile_options = options.tiles();
+        let prefetch = asking::prefetch_for(options.memory);
         let sources = Sources::new(options.cache_folder, options.wake, options.watch)?;
         let nodes = NodeCache::default();
         let empty = compile::compile(&Project::default(), folder, &sources, &nodes, None);
@@ -127,6 +130,7 @@ impl Engine {
             planner: Planner::default(),
             finest: (0, 0),
             ahead: Ahead::default(),
+            prefetch,
             plan: None,
             planned_on: (
                 Bounds(HeightRange {

@@ -27,6 +27,7 @@ const FLAT: HeightRange = HeightRange {
 const FRAME_MS: f64 = 1000.0 / 60.0;
 const AHEAD_S: [f64; 2] = [0.2, 0.6];
 const PREFETCH: usize = 384;
+const TILE_BYTES: usize = 256 * 256 * 4;
 
 /// Seconds, longitude, latitude, altitude in metres, heading, pitch.
 type Key = [f64; 6];
@@ -186,6 +187,7 @@ fn record(keys: &[Key]) -> Vec<Frame> {
 enum Prefetch {
     Nothing,
     Window,
+    /// What the program does.
     Ahead,
     AheadThenWindow,
 }
@@ -215,6 +217,8 @@ fn play(frames: &[Frame], bytes: usize, eviction: Eviction, prefetch: Prefetch) 
     // Tiles that no frame has shown since they were made.
     let mut unseen: HashMap<ContentId, ()> = HashMap::new();
     let mut out = Outcome::default();
+    // More would push itself out of the cache again.
+    let most = PREFETCH.min(bytes / 4 / TILE_BYTES);
     // What the worker is at: tile and milliseconds that are left.
     let mut at: Option<(Named, f64)> = None;
     for frame in frames {
@@ -229,11 +233,10 @@ fn play(frames: &[Frame], bytes: usize, eviction: Eviction, prefetch: Prefetch) 
         out.full += usize::from(frame.visible.iter().all(|t| cache.contains(t.0)));
         let more: Vec<&Named> = match prefetch {
             Prefetch::Nothing => Vec::new(),
-            Prefetch::Window => frame.window.iter().take(PREFETCH).collect(),
-            Prefetch::Ahead => frame.ahead.iter().take(PREFETCH).collect(),
+            Prefetch::Window => frame.window.iter().take(most).collect(),
+            Prefetch::Ahead => frame.ahead.iter().take(most).collect(),
             Prefetch::AheadThenWindow => {
-                let ahead = frame.ahead.iter().take(PREFETCH);
-                ahead.chain(frame.window.iter().take(PREFETCH)).collect()
+                frame.ahead.iter().chain(&frame.window).take(most).collect()
             }
         };
         let mut queue = frame.visible.iter().chain(more);

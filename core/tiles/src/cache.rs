@@ -49,7 +49,8 @@ impl From<Duration> for Cost {
 /// are what it is measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Eviction {
-    /// What is cheap to make again and far from where the camera is or will be, in tiles and levels.
+    /// What is cheap to make again, far from where the camera is or will be, in tiles and levels, and
+    /// was not wanted for long.
     #[default]
     Worth,
     /// What is far from the focus, in tiles of its own level: \[CH07\] 4.2.
@@ -86,15 +87,17 @@ struct Entry {
     cost: Cost,
     /// Whether the latest wants name it.
     wanted: bool,
-    /// Counts insertions.
-    number: u64,
+    /// Insertions so far when it came, and when it was wanted last.
+    came: u64,
+    used: u64,
 }
 
 /// Tiles by content id; memory stays at or below a bound at all times.
 ///
 /// When room is needed, what goes first is what is cheap to make again and far from where the camera
 /// is or will be, counted in tiles of its own level, so that coarse levels count as near, and in levels
-/// beyond the finest that is wanted (\[CH07\] 4.2 asks for more than the plain distance). What the
+/// beyond the finest that is wanted, and what nobody wanted for long (\[CH07\] 4.2 asks for more than
+/// the plain distance). What the
 /// latest wants name goes last.
 pub struct Cache {
     entries: HashMap<ContentId, Entry>,
@@ -161,6 +164,9 @@ impl Cache {
         )]
         for (id, entry) in &mut self.entries {
             entry.wanted = wanted(*id);
+            if entry.wanted {
+                entry.used = self.inserted;
+            }
         }
     }
 
@@ -189,7 +195,8 @@ impl Cache {
                 key,
                 cost,
                 wanted,
-                number: self.inserted,
+                came: self.inserted,
+                used: self.inserted,
             },
         );
     }
@@ -209,15 +216,17 @@ impl Cache {
     /// What it would mean to lose a tile.
     fn worth(&self, entry: &Entry) -> f64 {
         match self.eviction {
-            Eviction::Fifo => entry.number as f64,
+            Eviction::Fifo => entry.came as f64,
             Eviction::Distance => -distance_sq(entry.key, self.focus.at),
             Eviction::Worth => {
                 let near = distance_sq(entry.key, self.focus.at);
                 let near = near.min(distance_sq(entry.key, self.focus.ahead));
                 // Twice as far for each level that is finer than what can be seen.
                 let levels = entry.key.level.n.saturating_sub(self.focus.finest);
-                let far = (1.0 + near) * f64::from(1_u32 << (2 * levels.min(15)));
-                entry.cost.own.as_secs_f64() / far
+                let far = (1.0 + near.min(FAR_SQ)) * f64::from(1_u32 << (2 * levels.min(15)));
+                // Beyond the surroundings no place is likelier than another: what was seen last counts.
+                let age = 1.0 + (self.inserted - entry.used) as f64 / HALF_LIFE;
+                entry.cost.own.as_secs_f64() / (far * age)
             }
         }
     }
@@ -244,6 +253,12 @@ impl Cache {
         }
     }
 }
+
+/// Squared distance in tiles from which on everything is equally far.
+const FAR_SQ: f64 = 64.0;
+
+/// Insertions after which a tile that nobody wanted since is worth half.
+const HALF_LIFE: f64 = 256.0;
 
 /// Squared distance of a tile's centre from a point in tiles of its own level.
 fn distance_sq(key: TileKey, point: MapPoint) -> f64 {

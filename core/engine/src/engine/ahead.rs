@@ -17,9 +17,6 @@ use crate::view::View;
 /// far as a hand keeps to what it does.
 const AHEAD_S: [f64; 2] = [0.2, 0.6];
 
-/// Tiles asked for along the path.
-const MOST: usize = 384;
-
 /// The camera's path on a clock that runs while frames are asked for.
 #[derive(Default)]
 pub(super) struct Ahead {
@@ -78,7 +75,7 @@ impl Engine {
             for (kind, key) in there.wanted_tiles() {
                 for (kind, key, id) in named(scene, kind, key) {
                     let is_new = !asked.contains(&id) && told.insert(id);
-                    if is_new && wants.len() < MOST && self.tiles.get(id).is_none() {
+                    if is_new && wants.len() < self.prefetch && self.tiles.get(id).is_none() {
                         wants.extend(scene.root(kind).map(|root| scene.want(root, key)));
                     }
                 }

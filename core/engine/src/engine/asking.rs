@@ -11,8 +11,13 @@ use super::Engine;
 use crate::frame::{ClipKind, Upload};
 use crate::scene::Scene;
 
-/// Tiles asked for beyond what is visible.
-const PREFETCH: usize = 384;
+/// Tiles asked for beyond what is visible, for a cache of so many bytes: more than a part of it
+/// would push itself out again.
+pub(super) fn prefetch_for(memory: usize) -> usize {
+    const MOST: usize = 384;
+    const TILE_BYTES: usize = 256 * 256 * 4;
+    MOST.min(memory / 8 / TILE_BYTES)
+}
 
 impl Engine {
     /// Takes finished tiles. One that failed because its file was changed under it is no failure
@@ -63,8 +68,9 @@ impl Engine {
         }
     }
 
-    /// Asks the scheduler for what is missing: visible tiles first, then the rest of the windows if
-    /// somebody may move there.
+    /// Asks the scheduler for what is missing: visible tiles first, then, unless it is a still,
+    /// what will be visible along the camera's path. The rest of the windows is not asked for: see
+    /// `docs/reports/scheduling.md`.
     pub(super) fn ask(&mut self, prefetch: bool) {
         if !std::mem::take(&mut self.dirty) {
             return;
@@ -74,16 +80,12 @@ impl Engine {
             return;
         };
         let mut wants: Vec<Want> = Vec::new();
-        self.missing(&scene, plan.wanted_tiles(), usize::MAX, &mut wants);
+        self.missing(&scene, plan.wanted_tiles(), &mut wants);
         self.pending = wants
             .iter()
             .filter(|w| !self.arrived.contains_key(&w.id))
             .count();
-        let visible = wants.len();
         let prefetch = prefetch && self.making.is_none();
-        if prefetch {
-            self.missing(&scene, plan.prefetch_tiles(), PREFETCH, &mut wants);
-        }
         self.asked = wants.iter().map(|w| w.id).collect();
         let asked = &self.asked;
         self.arrived.retain(|id, _| asked.contains(id));
@@ -91,26 +93,16 @@ impl Engine {
         if prefetch {
             // Tiles along the path are waited for in the cache: no window has a place for them yet.
             let (ahead, both) = self.wants_ahead(&scene, &plan, &self.asked);
-            wants.splice(visible..visible, ahead);
+            wants.extend(ahead);
             focus = both;
         }
         wants.retain(|w| !self.arrived.contains_key(&w.id));
         self.tiles.want(wants, focus);
     }
 
-    fn missing(
-        &self,
-        scene: &Scene,
-        tiles: Vec<(PlanKind, TileKey)>,
-        most: usize,
-        wants: &mut Vec<Want>,
-    ) {
-        let end = wants.len().saturating_add(most);
+    fn missing(&self, scene: &Scene, tiles: Vec<(PlanKind, TileKey)>, wants: &mut Vec<Want>) {
         for (kind, key) in tiles {
             for (kind, key, id) in named(scene, kind, key) {
-                if wants.len() >= end {
-                    return;
-                }
                 if let (false, Some(root)) =
                     (self.stacks.get(kind).holds(key, id), scene.root(kind))
                 {
