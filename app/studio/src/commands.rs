@@ -208,7 +208,7 @@ pub const TABLE: &[Entry] = &[
         Command::AddFiles,
         Menu::Layer,
         "Add files…",
-        "Add imagery or heights from GeoTIFF, JPEG or PNG files",
+        "Add imagery or heights from raster files and sets of tiles",
         &[keys(CTRL_SHIFT, Key::O)],
     ),
     entry(

@@ -1,5 +1,7 @@
 //! Writing a region to a file: the graph evaluated on the file's own grid, block by block.
 
+mod exr;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -73,7 +75,8 @@ struct Plan {
 }
 
 impl Questions {
-    /// Writes a region to a GeoTIFF (`.tif`, `.tiff`: Cloud Optimised, any size) or a PNG. Blocks
+    /// Writes a region to a GeoTIFF (`.tif`, `.tiff`: Cloud Optimised, any size), to OpenEXR (`.exr`:
+    /// tiled, any size; heights as f32, colours as linear, premultiplied half floats) or a PNG. Blocks
     /// are made on `threads` threads; the file is the same for any number. `progress` is told the
     /// part that is done, 0 to 1.
     ///
@@ -97,9 +100,10 @@ impl Questions {
             .map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("tif" | "tiff") => self.bake_cog(bake, &plan, path, threads, progress, cancel),
+            Some("exr") => self.bake_exr(bake, &plan, path, threads, progress, cancel),
             Some("png") => self.bake_png(bake, &plan, path, progress, cancel),
             _ => Err(BakeError::Region(format!(
-                "expected a name that ends in .tif or .png, found \"{}\"",
+                "expected a name that ends in .tif, .exr or .png, found \"{}\"",
                 path.display()
             ))),
         }

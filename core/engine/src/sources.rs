@@ -385,7 +385,10 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
     let key = SourceKey {
         path: resolve_path(folder, &source.path),
         bands,
-        options: format!("{crs:?} {extent:?} {:?} {chosen:?}", source.nodata),
+        options: format!(
+            "{crs:?} {extent:?} {:?} {chosen:?} {:?} {:?}",
+            source.nodata, source.encoding, source.tile_rows
+        ),
     };
     Some(Request {
         key,

@@ -152,6 +152,22 @@ impl Project {
                     mem::replace(&mut self.source_mut(&id, "nodata value")?.nodata, nodata);
                 Edit::SetNodata { id, nodata }
             }
+            Edit::SetTiles {
+                id,
+                encoding,
+                tile_rows,
+            } => {
+                let layer = self.layer_mut(&id)?;
+                if encoding.is_some() && !matches!(layer.kind, LayerKind::Height(_)) {
+                    return Err(wrong_kind(layer, "encoding of heights", "a height layer"));
+                }
+                let source = self.source_mut(&id, "set of tiles")?;
+                Edit::SetTiles {
+                    encoding: mem::replace(&mut source.encoding, encoding),
+                    tile_rows: mem::replace(&mut source.tile_rows, tile_rows),
+                    id,
+                }
+            }
             Edit::SetBands { id, bands } => self.set_bands(id, bands)?,
             Edit::SetHeightScale {
                 id,

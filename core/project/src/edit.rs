@@ -1,8 +1,8 @@
 //! Edits: the only way to change a project.
 
 use crate::{
-    Adjust, Blend, CameraSettings, Georeference, Layer, LayerId, Noise, PlanetSettings, Quality,
-    Resampling, Sun, Tint,
+    Adjust, Blend, CameraSettings, Georeference, HeightEncoding, Layer, LayerId, Noise,
+    PlanetSettings, Quality, Resampling, Sun, TileRows, Tint,
 };
 
 /// One change of a project. Values replace the old ones as a whole.
@@ -103,6 +103,15 @@ pub enum Edit {
         id: LayerId,
         /// `None`: as the file says.
         nodata: Option<f64>,
+    },
+    /// Changes how a set of tiles is read.
+    SetTiles {
+        /// Which imagery or height layer; only height layers have encodings.
+        id: LayerId,
+        /// `None`: as the set's metadata say.
+        encoding: Option<HeightEncoding>,
+        /// `None`: as the set's metadata or its kind say.
+        tile_rows: Option<TileRows>,
     },
     /// Chooses bands: one, three or four for imagery, one for heights.
     SetBands {
@@ -209,7 +218,7 @@ pub enum Aspect {
     Blend,
     /// Its colour adjustment.
     Adjust,
-    /// Its file or how the file is read: path, place, nodata, bands.
+    /// Its file or how the file is read: path, place, nodata, bands, encoding of tiles.
     Source,
     /// Its resampling kernel.
     Resampling,

@@ -20,6 +20,7 @@ impl Edit {
             | Self::SetPath { id, .. }
             | Self::SetGeoreference { id, .. }
             | Self::SetNodata { id, .. }
+            | Self::SetTiles { id, .. }
             | Self::SetBands { id, .. }
             | Self::SetHeightScale { id, .. }
             | Self::SetNoise { id, .. }
@@ -57,6 +58,7 @@ impl Edit {
             Self::SetPath { .. }
             | Self::SetGeoreference { .. }
             | Self::SetNodata { .. }
+            | Self::SetTiles { .. }
             | Self::SetBands { .. } => Aspect::Source,
             Self::SetHeightScale { .. } => Aspect::HeightScale,
             Self::SetNoise { .. } => Aspect::Noise,
@@ -96,6 +98,7 @@ impl Edit {
             Self::SetPath { .. } => "File of",
             Self::SetGeoreference { .. } => "Place of",
             Self::SetNodata { .. } => "No-data value of",
+            Self::SetTiles { .. } => "Tiles of",
             Self::SetBands { .. } => "Bands of",
             Self::SetHeightScale { .. } => "Height scale of",
             Self::SetNoise { .. } => "Noise of",

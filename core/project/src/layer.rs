@@ -122,6 +122,29 @@ pub struct Source {
     /// Width in metres on the ground over which the layer fades in from its edge, 0 (a hard edge, the
     /// default) to 10⁷.
     pub edge_fade_m: f64,
+    /// How the colours of a set of tiles mean heights; of height layers only. `None`: as its metadata
+    /// say.
+    pub encoding: Option<HeightEncoding>,
+    /// From where rows of a set of tiles count. `None`: as its metadata or its kind say.
+    pub tile_rows: Option<TileRows>,
+}
+
+/// How the colours of a set of tiles mean heights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum HeightEncoding {
+    /// Mapbox Terrain-RGB: −10 000 m + (65 536 R + 256 G + B) · 0.1 m.
+    TerrainRgb,
+    /// Terrarium: 256 R + G + B / 256 − 32 768 m.
+    Terrarium,
+}
+
+/// From where rows of a set of tiles count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TileRows {
+    /// From north, as in XYZ folders.
+    Xyz,
+    /// From south, as in MBTiles and TMS folders.
+    Tms,
 }
 
 impl Source {
@@ -133,6 +156,8 @@ impl Source {
             nodata: None,
             resampling: Resampling::Bilinear,
             edge_fade_m: 0.0,
+            encoding: None,
+            tile_rows: None,
         }
     }
 }

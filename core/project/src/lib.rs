@@ -31,8 +31,9 @@ pub use file::{FileStamp, Replace, is_unchanged, open, read_text, save_atomic};
 pub use history::History;
 pub use json::{MOST_BYTES, schema, schema_text};
 pub use layer::{
-    Adjust, Blend, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind,
-    Noise, NoiseLayer, NoiseMode, Resampling, Source, Tint, TintInterpolation, TintLayer, TintStop,
+    Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer, LayerId,
+    LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, TileRows, Tint, TintInterpolation,
+    TintLayer, TintStop,
 };
 pub use paths::{resolve_path, store_path};
 pub use stored::fault::Fault;

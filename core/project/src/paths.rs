@@ -119,6 +119,7 @@ pub(crate) fn rebase_edit(edit: &mut Edit, from: &Path, to: &Path) {
         | Edit::SetEdgeFade { .. }
         | Edit::SetGeoreference { .. }
         | Edit::SetNodata { .. }
+        | Edit::SetTiles { .. }
         | Edit::SetBands { .. }
         | Edit::SetHeightScale { .. }
         | Edit::SetNoise { .. }

@@ -6,9 +6,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use relievo_project::{
-    Adjust, Affects, Aspect, Blend, CameraSettings, Edit, Georeference, HeightLayer, History,
-    ImageryLayer, Layer, LayerId, LayerKind, Noise, NoiseLayer, PlanetSettings, Project, Quality,
-    Resampling, Source, Sun, Tint, TintInterpolation, TintStop,
+    Adjust, Affects, Aspect, Blend, CameraSettings, Edit, Georeference, HeightEncoding,
+    HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Noise, NoiseLayer,
+    PlanetSettings, Project, Quality, Resampling, Source, Sun, TileRows, Tint, TintInterpolation,
+    TintStop,
 };
 
 const EVERYTHING: &str = include_str!("data/everything.relievo");
@@ -99,6 +100,11 @@ fn edit() -> impl Strategy<Value = Edit> {
         }),
         (id(), prop::option::of(any::<f64>()))
             .prop_map(|(id, nodata)| Edit::SetNodata { id, nodata }),
+        (id(), any::<bool>(), any::<bool>()).prop_map(|(id, encoded, south)| Edit::SetTiles {
+            id,
+            encoding: encoded.then_some(HeightEncoding::Terrarium),
+            tile_rows: south.then_some(TileRows::Tms),
+        }),
         (
             id(),
             prop::option::of(prop::collection::vec(0..5_u16, 1..4))
@@ -373,6 +379,19 @@ fn values_that_no_file_can_hold_are_refused() {
             adjust,
         })
         .unwrap_err();
+    assert_eq!(project.to_json(), EVERYTHING);
+}
+
+#[test]
+fn only_heights_have_an_encoding() {
+    let mut project = everything();
+    let wrong = Edit::SetTiles {
+        id: "blue-marble".into(),
+        encoding: Some(HeightEncoding::Terrarium),
+        tile_rows: None,
+    };
+    let line = project.apply(wrong).unwrap_err().to_string();
+    assert!(line.contains("height layer"), "{line}");
     assert_eq!(project.to_json(), EVERYTHING);
 }
 

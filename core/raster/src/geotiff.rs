@@ -9,7 +9,6 @@ mod bytes;
 mod chunk;
 mod companions;
 mod control_points;
-mod fault;
 mod geokeys;
 mod georeference;
 mod ifd;
@@ -27,14 +26,16 @@ mod stretch;
 mod strip;
 mod webp;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 pub(crate) use bytes::Bytes;
 pub(crate) use chunk::Chunk;
 pub(crate) use georeference::check_affine;
+pub(crate) use stretch::{Numbers, range as shown_range};
 
 use crate::chunk_cache::ChunkCache;
+use crate::fault;
 use crate::file::{Cancel, OverviewInfo, PixelRect, RasterFile, RasterInfo, ReadError};
 use crate::open::{OpenError, OpenOptions, content_hash, placed};
 use crate::parts::assert_inside;
@@ -268,36 +269,9 @@ fn sample_type(layout: &Layout) -> String {
 }
 
 fn open_error(fault: Fault, path: &Path) -> OpenError {
-    let path: PathBuf = path.to_owned();
-    match fault {
-        Fault::Io(error) => OpenError::Io {
-            reason: error.to_string(),
-            path,
-        },
-        Fault::Damaged(reason) => OpenError::Damaged {
-            format: FORMAT,
-            reason,
-            path,
-        },
-        Fault::Unsupported(reason) => OpenError::Unsupported {
-            format: FORMAT,
-            reason,
-            path,
-        },
-    }
+    fault.on_open(FORMAT, path)
 }
 
 fn read_error(fault: Fault, path: &Path) -> ReadError {
-    let path = path.to_owned();
-    match fault {
-        Fault::Io(error) => ReadError::Io {
-            reason: error.to_string(),
-            path,
-        },
-        Fault::Damaged(reason) | Fault::Unsupported(reason) => ReadError::Damaged {
-            format: FORMAT,
-            reason,
-            path,
-        },
-    }
+    fault.on_read(FORMAT, path)
 }

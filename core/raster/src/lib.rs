@@ -18,10 +18,16 @@ pub mod warp;
 pub mod worldfile;
 pub mod write;
 
+mod asciigrid;
+mod fault;
 mod geotiff;
+mod hgt;
+mod openexr;
 mod parts;
 mod picture;
+mod prj;
 mod pyramid;
+mod tileset;
 
 pub use block::{Bands, Block};
 pub use file::{Cancel, PixelRect, RasterFile, RasterInfo};

@@ -8,7 +8,9 @@ use std::time::UNIX_EPOCH;
 
 use crate::chunk_cache::ChunkCache;
 use crate::file::{Cancel, Georeference, RasterFile, ReadError};
-use crate::{Bands, geotiff, picture};
+pub use crate::tileset::HeightEncoding;
+use crate::tileset::{self, Kind};
+use crate::{Bands, asciigrid, geotiff, hgt, openexr, picture};
 
 /// Bytes of decoded samples that the chunk cache holds unless told otherwise.
 pub const DEFAULT_CHUNK_CACHE_BYTES: usize = 256 << 20;
@@ -44,6 +46,15 @@ pub enum Stretch {
     },
 }
 
+/// From where the rows of a set of tiles count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TileRows {
+    /// Row 0 lies in the north: XYZ, as folders and web maps have it.
+    FromNorth,
+    /// Row 0 lies in the south: TMS, as MBTiles and gdal2tiles have it.
+    FromSouth,
+}
+
 /// What to make of a file beyond what it says of itself.
 #[derive(Clone)]
 pub struct OpenOptions {
@@ -72,6 +83,11 @@ pub struct OpenOptions {
     /// NaN, and colours whose bands all have it are transparent. Lossy compression blurs values, so
     /// that few pixels of a JPEG have exactly the one that they were given.
     pub nodata: Option<f64>,
+    /// How the colours of tiles mean heights; by default as the set's metadata say. Only sets of
+    /// tiles have encodings.
+    pub encoding: Option<HeightEncoding>,
+    /// From where rows of tiles count; by default as the set's metadata or else its kind say.
+    pub tile_rows: Option<TileRows>,
 }
 
 impl Default for OpenOptions {
@@ -88,6 +104,8 @@ impl Default for OpenOptions {
             select: None,
             stretch: Stretch::Auto,
             nodata: None,
+            encoding: None,
+            tile_rows: None,
         }
     }
 }
@@ -104,7 +122,9 @@ pub enum OpenError {
         path: PathBuf,
     },
     /// The content is of no known format.
-    #[error("expected a GeoTIFF, JPEG or PNG, found {found}: {path:?}")]
+    #[error(
+        "expected a GeoTIFF, JPEG, PNG, WebP, OpenEXR, ASCII grid or SRTM file or a set of tiles, found {found}: {path:?}"
+    )]
     UnknownFormat {
         /// What it seems to be.
         found: String,
@@ -186,6 +206,17 @@ impl OpenError {
     }
 }
 
+/// Whether a path is a set of tiles: a folder of them, MBTiles or PMTiles. Only the beginning is
+/// looked at; `false` where nothing can be read.
+pub fn is_tile_set(path: &Path) -> bool {
+    let mut head = [0; 7];
+    if path.is_dir() {
+        return tileset::is_folder_of_tiles(path);
+    }
+    File::open(path).is_ok_and(|mut f| f.read_exact(&mut head).is_ok())
+        && (head.starts_with(b"SQLite") || head == *b"PMTiles")
+}
+
 /// Opens a file; its content, not its name, decides the format.
 ///
 /// With [`OpenOptions::make_pyramid`] (the default) the file's list of overviews ends with a small
@@ -199,21 +230,61 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Arc<dyn RasterFile>, O
         path: path.to_owned(),
     };
     if std::fs::metadata(path).map_err(io)?.is_dir() {
+        if tileset::is_folder_of_tiles(path) {
+            return tileset::open(path, Kind::Folder, options);
+        }
         return Err(OpenError::UnknownFormat {
-            found: "a folder".into(),
+            found: "a folder without tiles".into(),
             path: path.to_owned(),
         });
     }
+    let length = std::fs::metadata(path).map_err(io)?.len();
     let mut head = Vec::new();
     File::open(path)
         .and_then(|f| f.take(16).read_to_end(&mut head))
         .map_err(io)?;
     match head.as_slice() {
+        [b'S', b'Q', b'L', b'i', b't', b'e', ..] => {
+            return tileset::open(path, Kind::MbTiles, options);
+        }
+        [b'P', b'M', b'T', b'i', b'l', b'e', b's', ..] => {
+            return tileset::open(path, Kind::PmTiles, options);
+        }
+        _ if options.encoding.is_some() => {
+            return Err(OpenError::Options {
+                reason: "expected a set of tiles for an encoding of heights, found a single file"
+                    .into(),
+                path: path.to_owned(),
+            });
+        }
+        _ => {}
+    }
+    match head.as_slice() {
+        // A format without a header: its first samples may look like anything.
+        _ if hgt::is_one(path, length) => hgt::open(path, options),
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => geotiff::open(path, options),
         [0xff, 0xd8, 0xff, ..] => picture::open(path, picture::Format::Jpeg, options),
         [0x89, b'P', b'N', b'G', 0x0d, 0x0a, 0x1a, 0x0a, ..] => {
             picture::open(path, picture::Format::Png, options)
         }
+        [
+            b'R',
+            b'I',
+            b'F',
+            b'F',
+            _,
+            _,
+            _,
+            _,
+            b'W',
+            b'E',
+            b'B',
+            b'P',
+            ..,
+        ] => picture::open(path, picture::Format::WebP, options),
+        [0x76, 0x2f, 0x31, 0x01, ..] => openexr::open(path, options),
+        text if asciigrid::is_one(text) => asciigrid::open(path, options),
+        _ if hgt::is_named(path) => hgt::open(path, options),
         other => Err(OpenError::UnknownFormat {
             found: describe(other),
             path: path.to_owned(),
@@ -225,10 +296,8 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Arc<dyn RasterFile>, O
 fn describe(head: &[u8]) -> String {
     match head {
         [] => "an empty file".into(),
-        [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR file".into(),
         [0x89, b'H', b'D', b'F', ..] => "an HDF5 file".into(),
-        [b'S', b'Q', b'L', b'i', ..] => "an SQLite file (a GeoPackage?)".into(),
-        [b'R', b'I', b'F', b'F', ..] => "a RIFF file (WebP?)".into(),
+        [b'R', b'I', b'F', b'F', ..] => "a RIFF file that is no WebP".into(),
         [b'{' | b'[', ..] => "JSON text".into(),
         [b'P', b'K', ..] => "a ZIP archive".into(),
         other => {

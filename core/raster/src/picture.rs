@@ -1,4 +1,4 @@
-//! JPEG and PNG pictures: decoded as a whole once, read from a pyramid afterwards.
+//! JPEG, PNG and WebP pictures: decoded as a whole once, read from a pyramid afterwards.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -10,7 +10,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
 use crate::file::{CHANGED, Cancel, OverviewInfo, PixelRect, RasterFile, RasterInfo, ReadError};
 use crate::open::{OpenError, OpenOptions, content_hash, placed};
 use crate::parts::assert_inside;
-use crate::{Bands, Block, pyramid, worldfile};
+use crate::{Bands, Block, prj, pyramid, worldfile};
 
 /// Bytes of a decoded picture at most: 16384 x 16384 pixels of four bytes.
 const MAX_DECODED_BYTES: u64 = 1 << 30;
@@ -24,6 +24,8 @@ pub(crate) enum Format {
     Jpeg,
     /// Portable Network Graphics.
     Png,
+    /// WebP, lossy or lossless; of an animation the first picture.
+    WebP,
 }
 
 impl Format {
@@ -31,6 +33,7 @@ impl Format {
         match self {
             Self::Jpeg => "JPEG",
             Self::Png => "PNG",
+            Self::WebP => "WebP",
         }
     }
 
@@ -38,6 +41,7 @@ impl Format {
         match self {
             Self::Jpeg => image::ImageFormat::Jpeg,
             Self::Png => image::ImageFormat::Png,
+            Self::WebP => image::ImageFormat::WebP,
         }
     }
 }
@@ -199,9 +203,9 @@ fn describe(
     } else {
         beside?
     };
-    let assumed = affine
-        .and_then(|a| worldfile::assumed_crs(&a, width, height))
-        .map(str::to_owned);
+    let named = affine.and_then(|_| prj::beside(path));
+    let assumed = affine.and_then(|a| worldfile::assumed_crs(&a, width, height));
+    let crs = named.or(assumed.map(str::to_owned));
     let bits = colour.bits_per_pixel() / band_count;
     Ok(RasterInfo {
         path: path.to_owned(),
@@ -210,15 +214,15 @@ fn describe(
         bands,
         band_count,
         sample_type: format!("uint{bits}"),
-        compression: if format == Format::Jpeg {
-            "JPEG".into()
-        } else {
-            "Deflate".into()
+        compression: match format {
+            Format::Jpeg => "JPEG".into(),
+            Format::Png => "Deflate".into(),
+            Format::WebP => "WebP".into(),
         },
         deep_colour: bands == Bands::Colour && bits > 8,
         nodata: options.nodata,
         may_have_holes: options.nodata.is_some() || colour.has_alpha(),
-        georeference: placed(affine, assumed, options),
+        georeference: placed(affine, crs, options),
     })
 }
 

@@ -1,6 +1,7 @@
-//! Writers: Cloud Optimised GeoTIFF and PNG. Files appear whole or not at all.
+//! Writers: Cloud Optimised GeoTIFF, OpenEXR and PNG. Files appear whole or not at all.
 
 mod cog;
+mod exr;
 mod geokeys;
 mod ifd;
 mod picture;
@@ -8,6 +9,7 @@ mod picture;
 use std::path::{Path, PathBuf};
 
 pub use cog::{CogLayout, CogSamples, CogSource, CogWork, write_cog};
+pub use exr::{ExrLayout, ExrSamples, ExrSource, write_exr};
 pub use picture::{Png, write_png};
 
 /// Why a file was not written.

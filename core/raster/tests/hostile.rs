@@ -41,6 +41,21 @@ fn a_png_that_ends_anywhere_is_refused_in_one_line() {
 }
 
 #[test]
+fn a_webp_that_ends_anywhere_is_refused_in_one_line() {
+    truncate_everywhere("cut.webp", &common::picture(9, 7, image::ImageFormat::WebP));
+}
+
+#[test]
+fn a_lossless_webp_shows_what_the_same_png_does() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [png, webp] = [image::ImageFormat::Png, image::ImageFormat::WebP].map(|format| {
+        let path = common::put(folder.path(), "picture", &common::picture(301, 97, format));
+        common::open_and_read(&path, &OpenOptions::default()).expect("a picture that opens")
+    });
+    assert_eq!(png, webp);
+}
+
+#[test]
 fn a_jpeg_that_ends_anywhere_is_answered() {
     let bytes = common::picture(9, 7, image::ImageFormat::Jpeg);
     truncate_everywhere("cut.jpg", &bytes);

@@ -12,15 +12,16 @@ use super::{Context, Failure, project, units};
 /// Write a region of a project to a raster file.
 ///
 /// GeoTIFFs (.tif) are Cloud Optimised and of any size; one that was stopped goes on with the same
-/// command, from the finished tiles in OUT.tif.part. PNGs hold up to 268 million samples, heights
-/// in them are 16-bit grey.
+/// command, from the finished tiles in OUT.tif.part. OpenEXR files (.exr) are tiled and of any size:
+/// heights as 32-bit floats, colours as linear, premultiplied 16-bit floats. PNGs hold up to 268
+/// million samples, heights in them are 16-bit grey.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
-    /// The file to write: .tif or .png.
-    #[arg(short = 'o', value_name = "OUT.tif|OUT.png")]
+    /// The file to write: .tif, .exr or .png.
+    #[arg(short = 'o', value_name = "OUT.tif|OUT.exr|OUT.png")]
     file: PathBuf,
     /// What to write: heights in metres, colours as RGBA, or normals as east, north and up.
     #[arg(long, value_enum, value_name = "KIND")]

@@ -139,7 +139,9 @@ fn of_layer(engine: &Engine, index: usize, layer: &Layer, found: &mut Vec<Proble
     }
     match engine.sources().state(&layer.kind, engine.folder()) {
         Some(SourceState::Failed(reason)) => {
-            let mend = if reason.contains("georeference") {
+            let mend = if reason.contains("the encoding of heights") {
+                "add an encoding, terrain-rgb or terrarium, to the layer"
+            } else if reason.contains("georeference") || reason.contains("a given extent") {
                 "add a georeference with crs and extent to the layer"
             } else {
                 "correct the layer's path, restore the file, or remove the layer"

@@ -14,7 +14,8 @@ use super::{Context, Failure};
 /// Print what a raster file or a project holds.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// A GeoTIFF, JPEG or PNG file, or a project.
+    /// A raster file (GeoTIFF, JPEG, PNG, WebP, OpenEXR, SRTM, ASCII grid), a set of tiles (a folder,
+    /// MBTiles, PMTiles), or a project.
     #[arg(value_name = "FILE|PROJECT")]
     file: PathBuf,
     /// Print JSON instead of lines.

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use relievo_engine::planet::Planet;
 use relievo_engine::project::{
-    Body, Edit, PlanetSettings, Project, Replace, SourceRole, layer_from_source,
+    self as project_kinds, Body, Edit, LayerKind, PlanetSettings, Project, Replace, SourceRole,
+    layer_from_source,
 };
 use relievo_engine::raster::crs::Crs;
-use relievo_engine::raster::open::{OpenOptions, open};
+use relievo_engine::raster::open::{self, OpenOptions, open};
 use relievo_engine::raster::{Bands, RasterInfo};
 use relievo_engine::{Engine, engine::folder_of};
 
@@ -24,9 +25,30 @@ pub(crate) struct Arguments {
     /// The project to write; it must not exist.
     #[arg(value_name = "OUT.relievo")]
     output: PathBuf,
-    /// A GeoTIFF, JPEG or PNG with a georeference; may be repeated or hold several files.
-    #[arg(long, required = true, num_args = 1.., value_name = "FILE")]
+    /// A raster file with a georeference (GeoTIFF, JPEG, PNG, WebP, OpenEXR, SRTM, ASCII grid) or a
+    /// set of tiles (a folder zoom/column/row.png, MBTiles, PMTiles); may be repeated or hold several.
+    #[arg(long, required = true, num_args = 1.., value_name = "FILE|FOLDER")]
     source: Vec<PathBuf>,
+    /// How colours of tiles mean heights, for all sets of tiles; by default as their metadata say,
+    /// and where they say nothing, tiles are imagery.
+    #[arg(long, value_enum, value_name = "NAME")]
+    encoding: Option<Encoding>,
+    /// From where rows of tiles count, for all sets of tiles: xyz from north, tms from south; by
+    /// default as their metadata say, else from south in MBTiles and from north in others.
+    #[arg(long, value_enum, value_name = "SCHEME")]
+    tile_rows: Option<Rows>,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Encoding {
+    TerrainRgb,
+    Terrarium,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Rows {
+    Xyz,
+    Tms,
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
@@ -36,7 +58,8 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let mut frame: Option<Coverage> = None;
     let mut named = Project::default();
     for source in &arguments.source {
-        let (role, info) = look_at(source, context)?;
+        let tiles = open::is_tile_set(source);
+        let (role, info) = look_at(source, tiles, arguments, context)?;
         let place = info.georeference.as_ref().map(|g| (Crs::parse(&g.crs), g));
         let Some((crs, georeference)) = place else {
             return Err(Failure::Input(format!(
@@ -56,12 +79,23 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
             .to_string_lossy()
             .into_owned();
         let id = named.fresh_layer_id(&stem, |_| false);
-        let layer = layer_from_source(id, &folder, &file, role).map_err(Failure::input)?;
+        let mut layer = layer_from_source(id, &folder, &file, role).map_err(Failure::input)?;
+        if tiles {
+            say_how_tiles_are_read(&mut layer.kind, arguments);
+        }
         named.layers.push(layer.clone());
         edits.push(Edit::AddLayer {
             index: None,
             layer: Box::new(layer),
         });
+    }
+    if (arguments.encoding.is_some() || arguments.tile_rows.is_some())
+        && !arguments.source.iter().any(|s| open::is_tile_set(s))
+    {
+        return Err(Failure::Input(format!(
+            "expected a set of tiles for --encoding or --tile-rows, found none: {:?}",
+            arguments.source[0]
+        )));
     }
     let options = engine_options(context.threads, &context.cache);
     let mut engine = Engine::new(Project::default(), &folder, options).map_err(Failure::system)?;
@@ -86,12 +120,27 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
 }
 
 /// What a file holds.
-fn look_at(source: &Path, context: &Context) -> Result<(SourceRole, RasterInfo), Failure> {
-    let options = OpenOptions {
+fn look_at(
+    source: &Path,
+    tiles: bool,
+    arguments: &Arguments,
+    context: &Context,
+) -> Result<(SourceRole, RasterInfo), Failure> {
+    let mut options = OpenOptions {
         make_pyramid: false,
         cancel: context.cancel.clone(),
         ..OpenOptions::default()
     };
+    if tiles {
+        options.encoding = arguments.encoding.map(|e| match e {
+            Encoding::TerrainRgb => open::HeightEncoding::TerrainRgb,
+            Encoding::Terrarium => open::HeightEncoding::Terrarium,
+        });
+        options.tile_rows = arguments.tile_rows.map(|r| match r {
+            Rows::Xyz => open::TileRows::FromNorth,
+            Rows::Tms => open::TileRows::FromSouth,
+        });
+    }
     let file = open(source, &options).map_err(Failure::input)?;
     let info = file.info().clone();
     let role = if info.bands == Bands::Height {
@@ -100,6 +149,25 @@ fn look_at(source: &Path, context: &Context) -> Result<(SourceRole, RasterInfo),
         SourceRole::Imagery
     };
     Ok((role, info))
+}
+
+/// Puts what the arguments say of tiles into a layer; nothing where metadata suffice.
+fn say_how_tiles_are_read(kind: &mut LayerKind, arguments: &Arguments) {
+    let rows = arguments.tile_rows.map(|r| match r {
+        Rows::Xyz => project_kinds::TileRows::Xyz,
+        Rows::Tms => project_kinds::TileRows::Tms,
+    });
+    match kind {
+        LayerKind::Height(height) => {
+            height.source.tile_rows = rows;
+            height.source.encoding = arguments.encoding.map(|e| match e {
+                Encoding::TerrainRgb => project_kinds::HeightEncoding::TerrainRgb,
+                Encoding::Terrarium => project_kinds::HeightEncoding::Terrarium,
+            });
+        }
+        LayerKind::Imagery(imagery) => imagery.source.tile_rows = rows,
+        LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => {}
+    }
 }
 
 /// The edit that sets the planet whose radius a coordinate system has; none for Earth.

@@ -188,7 +188,10 @@ async fn ask(purpose: Purpose, dialog: rfd::AsyncFileDialog) -> Vec<PathBuf> {
             .save_file()
             .await),
         Purpose::Add => {
-            let images = ["tif", "tiff", "jpg", "jpeg", "png"];
+            let images = [
+                "tif", "tiff", "jpg", "jpeg", "png", "webp", "exr", "hgt", "asc", "mbtiles",
+                "pmtiles",
+            ];
             let files = dialog
                 .add_filter("Raster files", &images)
                 .set_title("Add files")

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use relievo_project::Georeference;
+use relievo_project::{Georeference, HeightEncoding, TileRows};
 use relievo_raster::RasterFile;
-use relievo_raster::open::{OpenOptions, open};
+use relievo_raster::open::{self as raster_open, OpenOptions, open};
 
 use super::{Request, Shared};
 
@@ -29,6 +29,14 @@ impl Shared {
                 .as_ref()
                 .map(|b| b.iter().map(|n| n.saturating_sub(1)).collect()),
             nodata: request.source.nodata,
+            encoding: request.source.encoding.map(|e| match e {
+                HeightEncoding::TerrainRgb => raster_open::HeightEncoding::TerrainRgb,
+                HeightEncoding::Terrarium => raster_open::HeightEncoding::Terrarium,
+            }),
+            tile_rows: request.source.tile_rows.map(|r| match r {
+                TileRows::Xyz => raster_open::TileRows::FromNorth,
+                TileRows::Tms => raster_open::TileRows::FromSouth,
+            }),
             ..OpenOptions::default()
         };
         if let Some(place) = &request.source.georeference {
@@ -56,7 +64,18 @@ fn place_by(options: &mut OpenOptions, place: &Georeference, path: &Path) -> Res
         make_pyramid: false,
         ..options.clone()
     };
-    let file = open(path, &probe).map_err(|e| e.to_string())?;
+    // A file that cannot be opened without a place (heights whose name says none) opens with any.
+    let anywhere = OpenOptions {
+        georeference: Some(relievo_raster::file::Georeference {
+            crs: Arc::from("EPSG:4326"),
+            plane_from_pixel: [0.0, 1.0, 0.0, 0.0, 0.0, -1.0],
+        }),
+        ..probe.clone()
+    };
+    let file = match open(path, &probe) {
+        Ok(file) => file,
+        Err(_) => open(path, &anywhere).map_err(|e| e.to_string())?,
+    };
     let full = file.info().overviews[0];
     let (dx, dy) = (
         (extent.east - extent.west) / f64::from(full.width),

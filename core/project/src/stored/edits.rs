@@ -107,6 +107,12 @@ stored_edits! {
     SetGeoreference = "set_georeference" { id: String, georeference: Option<With<v1::Georeference>>, }
     /// Changes the value that means "no data"; the file's own where `nodata` is left out.
     SetNodata = "set_nodata" { id: String, nodata: Option<f64> = range::NODATA, }
+    /// Changes how a set of tiles is read: as it says itself where a member is left out.
+    SetTiles = "set_tiles" {
+        id: String,
+        encoding: Option<v1::HeightEncoding>,
+        tile_rows: Option<v1::TileRows>,
+    }
     /// Chooses bands, counted from 1; as the file says where `bands` is left out.
     SetBands = "set_bands" { id: String, bands: Option<Vec<u32>> => range::BAND, }
     /// Changes how a height layer's values become metres.

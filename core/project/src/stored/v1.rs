@@ -250,6 +250,8 @@ fields! {
         georeference: Option<With<Georeference>>,
         /// The value that means "no data", instead of the file's own.
         nodata: Option<f64> = range::NODATA,
+        /// From where rows of a set of tiles count; as the set says where left out.
+        tile_rows: Option<TileRows>,
         /// Which bands are red, green, blue (and alpha), counted from 1: one (grey), three or four.
         #[schemars(length(min = 1, max = 4))]
         bands: Option<Vec<u32>> => range::BAND,
@@ -274,6 +276,10 @@ fields! {
         georeference: Option<With<Georeference>>,
         /// The value that means "no data", instead of the file's own.
         nodata: Option<f64> = range::NODATA,
+        /// How the colours of a set of tiles mean heights; as the set says where left out.
+        encoding: Option<HeightEncoding>,
+        /// From where rows of a set of tiles count; as the set says where left out.
+        tile_rows: Option<TileRows>,
         /// Which band, counted from 1; the first where left out.
         band: Option<u32> = range::BAND,
         /// How samples between pixels are made; bilinear where left out.
@@ -372,6 +378,26 @@ fields! {
         gain: Option<[f64; 3]> => range::GAIN,
         /// Added to red, green and blue after the gain; 0 where left out.
         offset: Option<[f64; 3]> => range::SIGNED_SHARE,
+    }
+}
+
+names! {
+    /// How the colours of a set of tiles mean heights.
+    HeightEncoding for crate::HeightEncoding {
+        /// Mapbox Terrain-RGB: −10 000 m + (65 536 R + 256 G + B) · 0.1 m.
+        TerrainRgb = "terrain-rgb",
+        /// 256 R + G + B / 256 − 32 768 m.
+        Terrarium = "terrarium",
+    }
+}
+
+names! {
+    /// From where rows of a set of tiles count.
+    TileRows for crate::TileRows {
+        /// From north.
+        Xyz = "xyz",
+        /// From south.
+        Tms = "tms",
     }
 }
 

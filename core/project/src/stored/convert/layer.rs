@@ -112,6 +112,8 @@ impl Twin for ImageryLayer {
                 nodata: stored.nodata,
                 resampling: stored.resampling.map_or(Resampling::Bilinear, Into::into),
                 edge_fade_m: stored.edge_fade_m.unwrap_or(0.0),
+                encoding: None,
+                tile_rows: stored.tile_rows.map(Into::into),
             },
             bands: stored
                 .bands
@@ -127,6 +129,7 @@ impl Twin for ImageryLayer {
             path: self.source.path.clone(),
             georeference: self.source.georeference.as_ref().map(Twin::to_stored),
             nodata: self.source.nodata,
+            tile_rows: self.source.tile_rows.map(Into::into),
             bands: self
                 .bands
                 .as_ref()
@@ -151,6 +154,8 @@ impl Twin for HeightLayer {
                 nodata: stored.nodata,
                 resampling: stored.resampling.map_or(Resampling::Bilinear, Into::into),
                 edge_fade_m: stored.edge_fade_m.unwrap_or(0.0),
+                encoding: stored.encoding.map(Into::into),
+                tile_rows: stored.tile_rows.map(Into::into),
             },
             band: stored
                 .band
@@ -166,6 +171,8 @@ impl Twin for HeightLayer {
             path: self.source.path.clone(),
             georeference: self.source.georeference.as_ref().map(Twin::to_stored),
             nodata: self.source.nodata,
+            encoding: self.source.encoding.map(Into::into),
+            tile_rows: self.source.tile_rows.map(Into::into),
             band: self.band.map(u32::from),
             resampling: unless_default(self.source.resampling, &Resampling::Bilinear)
                 .map(Into::into),

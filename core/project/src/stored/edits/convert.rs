@@ -3,8 +3,8 @@
 use super::{
     AddLayer, Batch, MoveLayer, RemoveLayer, SetAdjust, SetBands, SetBlend, SetCamera, SetEdgeFade,
     SetExaggeration, SetGeoreference, SetHeightScale, SetLocked, SetName, SetNodata, SetNoise,
-    SetOpacity, SetPath, SetPlanet, SetQuality, SetResampling, SetSun, SetTint, SetVisible,
-    StoredEdit,
+    SetOpacity, SetPath, SetPlanet, SetQuality, SetResampling, SetSun, SetTiles, SetTint,
+    SetVisible, StoredEdit,
 };
 use crate::stored::convert::{
     Twin, bands, layer_id, layer_name, source_path, stored_tint, tint, unknown_is_unknown,
@@ -89,6 +89,11 @@ impl Twin for Edit {
             StoredEdit::SetNodata(e) => Self::SetNodata {
                 id: id(e.id)?,
                 nodata: e.nodata,
+            },
+            StoredEdit::SetTiles(e) => Self::SetTiles {
+                id: id(e.id)?,
+                encoding: e.encoding.map(Into::into),
+                tile_rows: e.tile_rows.map(Into::into),
             },
             StoredEdit::SetBands(e) => {
                 let place = At::Member(at, "bands");
@@ -206,6 +211,15 @@ impl Twin for Edit {
             Self::SetNodata { id, nodata } => StoredEdit::SetNodata(SetNodata {
                 id: text(id),
                 nodata: *nodata,
+            }),
+            Self::SetTiles {
+                id,
+                encoding,
+                tile_rows,
+            } => StoredEdit::SetTiles(SetTiles {
+                id: id.0.clone(),
+                encoding: encoding.map(Into::into),
+                tile_rows: tile_rows.map(Into::into),
             }),
             Self::SetBands { id, bands } => StoredEdit::SetBands(SetBands {
                 id: text(id),
