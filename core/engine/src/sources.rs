@@ -8,6 +8,7 @@ mod opening;
 mod watch;
 
 use std::collections::{HashMap, HashSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -283,8 +284,15 @@ impl Shared {
             }
             let path = &request.key.path;
             let before = Found::at(path);
+            // A panic in a reader is a bug, but one file's: it must neither take the thread with it
+            // nor leave whoever waits for the file waiting.
+            let open = || self.open(&request);
             let opened = match &before {
-                Found::File { .. } => self.open(&request),
+                Found::File { .. } => {
+                    catch_unwind(AssertUnwindSafe(open)).unwrap_or_else(|_told| {
+                        Err(format!("panicked while opening; this is a bug: {path:?}"))
+                    })
+                }
                 Found::Nothing(reason) => Err(reason.clone()),
             };
             let mut attempt = Attempt {

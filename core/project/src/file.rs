@@ -102,6 +102,13 @@ pub fn save_atomic(
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),
     };
+    // A rename would take a device away from the system.
+    if fs::metadata(&target).is_ok_and(|data| !data.is_file()) {
+        return Err(failed(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "expected a file to replace, found a folder or a device",
+        )));
+    }
     let text = project.to_json();
 
     let mut builder = tempfile::Builder::new();

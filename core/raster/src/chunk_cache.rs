@@ -9,6 +9,9 @@ use parking_lot::Mutex;
 
 /// Independent parts, so that threads rarely meet at a lock.
 const SHARDS: usize = 16;
+/// Bytes of chunks kept that are too large for a shard: an image that is one compressed strip would
+/// otherwise be decoded again for every rectangle that is read.
+const LARGE_BYTES: u64 = 512 << 20;
 
 /// Which chunk of which file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,14 +36,23 @@ type Slot<T> = Arc<Mutex<Option<Option<Arc<T>>>>>;
 /// that come second wait for it.
 ///
 /// One cache may serve any number of files; by default all files opened with clones of the same
-/// [`OpenOptions`](crate::open::OpenOptions) share one. Least recently used chunks go first. A chunk
-/// larger than a shard's part of the budget is handed out but not kept.
+/// [`OpenOptions`](crate::open::OpenOptions) share one. Least recently used chunks go first. Chunks
+/// larger than a shard's part of the budget are decoded one at a time and kept beside it, 512 MiB of
+/// them at most.
 pub struct ChunkCache {
     shards: [Mutex<Shard>; SHARDS],
+    large: Mutex<Vec<Large>>,
     hasher: RandomState,
     shard_budget: usize,
     next_file: AtomicU64,
     decoded: AtomicU64,
+}
+
+/// A chunk that no shard can keep; the most recently used is the last.
+struct Large {
+    key: ChunkKey,
+    chunk: Arc<super::geotiff::Chunk>,
+    bytes: u64,
 }
 
 #[derive(Default)]
@@ -63,6 +75,7 @@ impl ChunkCache {
     pub fn new(budget_bytes: usize) -> Self {
         Self {
             shards: core::array::from_fn(|_| Mutex::default()),
+            large: Mutex::default(),
             hasher: RandomState::new(),
             shard_budget: budget_bytes / SHARDS,
             next_file: AtomicU64::new(0),
@@ -72,7 +85,9 @@ impl ChunkCache {
 
     /// Bytes of decoded samples held now.
     pub fn bytes(&self) -> usize {
-        self.shards.iter().map(|shard| shard.lock().bytes).sum()
+        let small: usize = self.shards.iter().map(|shard| shard.lock().bytes).sum();
+        let large: u64 = self.large.lock().iter().map(|l| l.bytes).sum();
+        small + large as usize
     }
 
     /// Chunks decoded so far.
@@ -83,6 +98,20 @@ impl ChunkCache {
     /// A number for a file that no other file of this cache has.
     pub(crate) fn new_file(&self) -> u64 {
         self.next_file.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// As [`ChunkCache::get`], for a chunk whose samples will take so many bytes.
+    pub(crate) fn get_sized<E>(
+        &self,
+        key: ChunkKey,
+        bytes: u64,
+        decode: impl FnOnce() -> Result<Option<super::geotiff::Chunk>, E>,
+    ) -> Result<Option<Arc<super::geotiff::Chunk>>, E> {
+        if bytes > self.shard_budget as u64 {
+            self.get_large(key, bytes, decode)
+        } else {
+            self.get(key, decode)
+        }
     }
 
     /// The chunk, decoded by `decode` if it is not there. An error is not kept.
@@ -115,8 +144,41 @@ impl ChunkCache {
         }
     }
 
+    /// The lock is held while a chunk is decoded: threads that ask for several at once would take
+    /// several times the memory.
+    fn get_large<E>(
+        &self,
+        key: ChunkKey,
+        bytes: u64,
+        decode: impl FnOnce() -> Result<Option<super::geotiff::Chunk>, E>,
+    ) -> Result<Option<Arc<super::geotiff::Chunk>>, E> {
+        let mut large = self.large.lock();
+        if let Some(at) = large.iter().position(|l| l.key == key) {
+            let found = large.remove(at);
+            let chunk = Arc::clone(&found.chunk);
+            large.push(found);
+            return Ok(Some(chunk));
+        }
+        let mut kept: u64 = large.iter().map(|l| l.bytes).sum();
+        while kept + bytes > LARGE_BYTES && !large.is_empty() {
+            kept -= large.remove(0).bytes;
+        }
+        let decoded = decode()?;
+        self.decoded.fetch_add(1, Ordering::Relaxed);
+        Ok(decoded.map(|chunk| {
+            let chunk = Arc::new(chunk);
+            large.push(Large {
+                key,
+                chunk: Arc::clone(&chunk),
+                bytes: bytes.max(chunk.bytes() as u64),
+            });
+            chunk
+        }))
+    }
+
     /// Forgets all chunks of a file that is closed.
     pub(crate) fn forget_file(&self, file: u64) {
+        self.large.lock().retain(|l| l.key.file != file);
         for shard in &self.shards {
             let mut shard = shard.lock();
             shard.slots.retain(|key, _| key.file != file);

@@ -125,14 +125,14 @@ impl Crs {
                 _ => return Err(form(name)),
             };
             found.ok_or_else(|| CrsError::UnknownCode {
-                definition: name.to_owned(),
+                definition: format!("{}:{code}", authority.trim().to_ascii_uppercase()),
             })?
         } else {
             return Err(form(name));
         };
         let unsupported = |reason: String| CrsError::Unsupported {
-            definition: name.to_owned(),
-            reason,
+            definition: shown(name),
+            reason: reason.replace(char::is_control, " "),
         };
         let proj = Proj::from_proj_string(&proj_string).map_err(|e| unsupported(e.to_string()))?;
         if proj.is_geocent() {
@@ -294,7 +294,16 @@ impl core::fmt::Debug for Crs {
 
 fn form(definition: &str) -> CrsError {
     CrsError::Form {
-        definition: definition.to_owned(),
+        definition: shown(definition),
+    }
+}
+
+/// The part of a definition that an error shows.
+fn shown(definition: &str) -> String {
+    const LONGEST: usize = 300;
+    match definition.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &definition[..end]),
+        None => definition.to_owned(),
     }
 }
 

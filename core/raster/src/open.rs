@@ -229,16 +229,23 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Arc<dyn RasterFile>, O
         reason: e.to_string(),
         path: path.to_owned(),
     };
-    if std::fs::metadata(path).map_err(io)?.is_dir() {
-        if tileset::is_folder_of_tiles(path) {
-            return tileset::open(path, Kind::Folder, options);
-        }
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    if metadata.is_dir() && tileset::is_folder_of_tiles(path) {
+        return tileset::open(path, Kind::Folder, options);
+    }
+    if !metadata.is_file() {
+        // A pipe would keep the reader waiting, a device would never end.
+        let found = if metadata.is_dir() {
+            "a folder without tiles"
+        } else {
+            "a pipe or a device"
+        };
         return Err(OpenError::UnknownFormat {
-            found: "a folder without tiles".into(),
+            found: found.into(),
             path: path.to_owned(),
         });
     }
-    let length = std::fs::metadata(path).map_err(io)?.len();
+    let length = metadata.len();
     let mut head = Vec::new();
     File::open(path)
         .and_then(|f| f.take(16).read_to_end(&mut head))

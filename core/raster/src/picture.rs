@@ -12,10 +12,9 @@ use crate::open::{OpenError, OpenOptions, content_hash, placed};
 use crate::parts::assert_inside;
 use crate::{Bands, Block, prj, pyramid, worldfile};
 
-/// Bytes of a decoded picture at most: 16384 x 16384 pixels of four bytes.
-const MAX_DECODED_BYTES: u64 = 1 << 30;
-/// Longest side of a picture.
-const MAX_SIDE: u32 = 1 << 17;
+mod limits;
+
+use limits::{MAX_SIDE, MOST_BYTES, TooLarge};
 
 /// Kinds of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +70,28 @@ pub(crate) fn open(
     hash.update(options.sample_facts().as_bytes());
     let fingerprint = *hash.finalize().as_bytes();
     let decoder = decoder(path, format).map_err(|e| decode_error(e, format, path))?;
+    if let Err(reason) = limits::check(path, format, decoder.total_bytes()).map_err(io)? {
+        let (format, path, (width, height)) =
+            (format.name(), path.to_owned(), decoder.dimensions());
+        return Err(match reason {
+            TooLarge::Memory(needed) => OpenError::Unsupported {
+                format,
+                reason: format!(
+                    "expected pixels that decode within {} MiB, found {width} x {height} that take {} MiB",
+                    MOST_BYTES >> 20,
+                    needed >> 20
+                ),
+                path,
+            },
+            TooLarge::Claim(length) => OpenError::Damaged {
+                format,
+                reason: format!(
+                    "expected the bytes of {width} x {height} pixels, found a file of {length} bytes"
+                ),
+                path,
+            },
+        });
+    }
     let info = describe(
         decoder.dimensions(),
         decoder.color_type(),
@@ -97,7 +118,7 @@ fn decoder(path: &Path, format: Format) -> image::ImageResult<impl ImageDecoder>
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    limits.max_alloc = Some(MOST_BYTES);
     reader.limits(limits.clone());
     let decoder = reader.into_decoder()?;
     limits.check_support(&image::LimitSupport::default())?;
@@ -123,7 +144,7 @@ fn decode_error(error: image::ImageError, format: Format, path: &Path) -> OpenEr
             format,
             reason: format!(
                 "expected at most {} MiB of pixels with sides below {MAX_SIDE}, found more",
-                MAX_DECODED_BYTES >> 20
+                MOST_BYTES >> 20
             ),
             path,
         },

@@ -28,7 +28,15 @@ const VERSION: &str = "1";
 /// Sides of regions that workers make between two looks at the progress, in tiles.
 const BATCH_TILES: usize = 32;
 /// A pyramid is not kept in memory beyond so many bytes.
-const MEMORY_LIMIT_BYTES: u64 = 2 << 30;
+const MEMORY_LIMIT_BYTES: u64 = 512 << 20;
+/// Pixels of the level that a pyramid starts from at most: reading more takes the better part of an
+/// hour, and such files come with overviews.
+const LARGEST_AREA: u64 = 1 << 37;
+/// Bytes of that level, decoded, from which on the file must not be tiny beside them.
+const LARGE_BYTES: u64 = 1 << 30;
+/// Decoded bytes for a byte of such a file at most: a kilobyte that stands for gigabytes is no image
+/// whose pixels are worth reading one by one.
+const MOST_EXPANSION: u64 = 4096;
 
 /// A file with all levels: some of its own, the others from a pyramid.
 struct Completed {
@@ -158,6 +166,38 @@ impl Plan<'_> {
         Ok(tiff)
     }
 
+    /// Refuses what would keep the machine busy for hours.
+    fn check_size(&self) -> Result<(), String> {
+        let info = self.base.info();
+        let size = info.overviews[if self.copy {
+            0
+        } else {
+            info.overviews.len() - 1
+        }];
+        let area = u64::from(size.width) * u64::from(size.height);
+        let advice = "make overviews with gdaladdo";
+        if area > LARGEST_AREA {
+            return Err(format!(
+                "expected overviews in an image of {} x {} pixels, found none that are small: {advice}",
+                size.width, size.height
+            ));
+        }
+        let sample: u64 = if info.deep_colour || info.bands == Bands::Height {
+            2
+        } else {
+            1
+        };
+        let bytes = area * u64::from(info.band_count.max(1)).min(4) * sample;
+        let length = std::fs::metadata(&info.path).map_or(0, |m| m.len());
+        if bytes > LARGE_BYTES && bytes / MOST_EXPANSION > length {
+            return Err(format!(
+                "expected overviews in a file of {length} bytes that claims {} x {} pixels, found none that are small: {advice}",
+                size.width, size.height
+            ));
+        }
+        Ok(())
+    }
+
     /// Makes the pyramid, in the cache folder if that can be written, else in memory.
     fn make(&self, options: &OpenOptions) -> Result<GeoTiff, OpenError> {
         let source = &self.base.info().path;
@@ -165,6 +205,7 @@ impl Plan<'_> {
             reason,
             path: source.clone(),
         };
+        self.check_size().map_err(failed)?;
         if let Some(folder) = &options.cache_dir {
             match self.make_in_folder(folder, options) {
                 Ok(tiff) => return Ok(tiff),

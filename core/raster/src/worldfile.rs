@@ -64,6 +64,10 @@ pub(crate) fn beside(picture: &Path) -> Result<Option<[f64; 6]>, (PathBuf, Strin
         .flat_map(|e| [e.clone(), e.to_ascii_uppercase()])
     {
         let path = picture.with_extension(ending);
+        // A pipe of that name would keep the reader waiting.
+        if !path.is_file() {
+            continue;
+        }
         let Ok(file) = std::fs::File::open(&path) else {
             continue;
         };

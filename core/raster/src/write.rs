@@ -60,6 +60,13 @@ fn atomically(
     write: impl FnOnce(&mut std::io::BufWriter<&mut std::fs::File>) -> std::io::Result<()>,
 ) -> Result<(), WriteError> {
     use std::io::Write;
+    // Moving a file onto a device or a folder would take it away from the system.
+    if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
+        return Err(WriteError::Unsupported {
+            reason: "expected a file to replace, found a folder or a device".into(),
+            path: path.to_owned(),
+        });
+    }
     let mut temporary = tempfile::Builder::new()
         .prefix(".relievo-")
         .tempfile_in(folder(path))

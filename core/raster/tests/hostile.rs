@@ -1,10 +1,14 @@
 //! Damaged files are answered with an error, or read as far as they go; nothing panics or hangs.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 mod common;
+
+use std::path::Path;
 
 use proptest::prelude::*;
 use relievo_raster::crs::Crs;
-use relievo_raster::open::OpenOptions;
+use relievo_raster::open::{OpenOptions, open};
 
 fn truncate_everywhere(name: &str, bytes: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -109,4 +113,76 @@ fn a_circle_of_directories_is_refused() {
     let path = common::put(folder.path(), "circle.tif", &bytes);
     let line = common::open_and_read(&path, &OpenOptions::default()).unwrap_err();
     assert!(line.contains("circle"), "{line}");
+}
+
+#[test]
+fn a_file_that_shrinks_while_it_is_open_is_an_error_where_bytes_are_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    for make_pyramid in [false, true] {
+        let options = OpenOptions {
+            make_pyramid,
+            ..OpenOptions::default()
+        };
+        for name in ["deflate-3-float.tif", "big-endian-plain.tif", "planar.tif"] {
+            let fixture = Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("tests/fixtures")
+                .join(name);
+            let bytes = std::fs::read(fixture).unwrap();
+            let path = common::put(folder.path(), name, &bytes);
+            let file = open(&path, &options).unwrap();
+            for length in [bytes.len() / 2, 8, 0] {
+                // The same file, not a new one in its place.
+                let shrunk = std::fs::File::options().write(true).open(&path).unwrap();
+                shrunk.set_len(length as u64).unwrap();
+                let line = common::read_level(&*file, 0).unwrap_err();
+                assert!(line.contains(name) && line.lines().count() == 1, "{line}");
+            }
+            std::fs::remove_file(&path).unwrap();
+            common::read_level(&*file, 0).unwrap_err();
+        }
+    }
+}
+
+#[test]
+fn a_picture_that_shrinks_before_it_is_decoded_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, format) in [
+        ("a.png", image::ImageFormat::Png),
+        ("a.jpg", image::ImageFormat::Jpeg),
+    ] {
+        let bytes = common::picture(90, 70, format);
+        let path = common::put(folder.path(), name, &bytes);
+        let options = OpenOptions {
+            make_pyramid: false,
+            ..OpenOptions::default()
+        };
+        let file = open(&path, &options).unwrap();
+        std::fs::write(&path, &bytes[..60]).unwrap();
+        let line = common::read_level(&*file, 0).unwrap_err();
+        assert!(line.contains(name), "{line}");
+        // The failure is kept: nothing is tried again for every tile.
+        std::fs::write(&path, &bytes).unwrap();
+        assert_eq!(common::read_level(&*file, 0).unwrap_err(), line);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn devices_are_refused_and_not_waited_for() {
+    for device in ["/dev/zero", "/dev/null", "/dev/full"] {
+        let line = common::open_and_read(Path::new(device), &OpenOptions::default()).unwrap_err();
+        assert!(line.contains("device") && line.contains(device), "{line}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = common::picture(9, 7, image::ImageFormat::Png);
+    let path = common::put(folder.path(), "a.png", &bytes);
+    let made = std::process::Command::new("mkfifo")
+        .arg(folder.path().join("a.pgw"))
+        .status();
+    if made.is_ok_and(|status| status.success()) {
+        common::open_and_read(&path, &OpenOptions::default()).unwrap();
+        let pipe = folder.path().join("a.pgw");
+        let line = common::open_and_read(&pipe, &OpenOptions::default()).unwrap_err();
+        assert!(line.contains("pipe"), "{line}");
+    }
 }

@@ -1,6 +1,7 @@
 //! What is wrong with a value, and where.
 
 use core::fmt;
+use std::borrow::Cow;
 
 use serde_json::Value;
 
@@ -38,6 +39,9 @@ impl fmt::Display for At<'_> {
     }
 }
 
+/// Characters of a pointer that a message shows.
+const LONGEST_POINTER: usize = 200;
+
 /// A value that does not fit: where it is, what was expected there and what was found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Fault {
@@ -51,11 +55,13 @@ pub struct Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = if self.pointer.is_empty() {
-            "the top"
-        } else {
-            &self.pointer
+        let place = match self.pointer.char_indices().nth(LONGEST_POINTER) {
+            None if self.pointer.is_empty() => Cow::Borrowed("the top"),
+            None => Cow::Borrowed(self.pointer.as_str()),
+            Some((end, _)) => Cow::Owned(format!("{}…", &self.pointer[..end])),
         };
+        // Names of members may hold line breaks and worse.
+        let place = place.replace(char::is_control, "?");
         write!(
             f,
             "at {place}: expected {}, found {}",

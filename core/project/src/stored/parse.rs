@@ -1,24 +1,38 @@
 //! Text to a JSON value, strictly, and places in the text.
 
+use core::cell::Cell;
 use core::fmt;
 
-use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 
 use crate::Extra;
 
-/// A JSON value without repeated members: of two members of one name one would be lost on saving.
-struct Strict(Value);
+/// Values of a file at most, so that a file of brackets cannot take fifty times its length in memory.
+/// A layer has about twenty.
+const MOST_VALUES: usize = 1_000_000;
 
-impl<'de> Deserialize<'de> for Strict {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(StrictVisitor).map(Strict)
+/// A JSON value without repeated members: of two members of one name one would be lost on saving.
+#[derive(Clone, Copy)]
+struct Strict<'a> {
+    /// Values that may still come.
+    left: &'a Cell<usize>,
+}
+
+impl<'de> DeserializeSeed<'de> for Strict<'_> {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        let Some(left) = self.left.get().checked_sub(1) else {
+            let message = format!("more than {MOST_VALUES} values");
+            return Err(serde::de::Error::custom(message));
+        };
+        self.left.set(left);
+        deserializer.deserialize_any(self)
     }
 }
 
-struct StrictVisitor;
-
-impl<'de> Visitor<'de> for StrictVisitor {
+impl<'de> Visitor<'de> for Strict<'_> {
     type Value = Value;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -51,7 +65,7 @@ impl<'de> Visitor<'de> for StrictVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
         let mut array = Vec::new();
-        while let Some(Strict(item)) = items.next_element()? {
+        while let Some(item) = items.next_element_seed(self)? {
             array.push(item);
         }
         Ok(Value::Array(array))
@@ -60,7 +74,7 @@ impl<'de> Visitor<'de> for StrictVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Value, A::Error> {
         let mut map = Extra::new();
         while let Some(name) = members.next_key::<String>()? {
-            let Strict(value) = members.next_value()?;
+            let value = members.next_value_seed(self)?;
             if map.contains_key(&name) {
                 let message = format!("member {} twice in one object", super::fault::quote(&name));
                 return Err(serde::de::Error::custom(message));
@@ -71,11 +85,16 @@ impl<'de> Visitor<'de> for StrictVisitor {
     }
 }
 
-/// The value of a JSON text. Nesting beyond 127 levels and repeated members are errors.
+/// The value of a JSON text. Nesting beyond 127 levels, repeated members and more than
+/// [`MOST_VALUES`] values are errors.
 pub(crate) fn parse(text: &str) -> Result<Value, serde_json::Error> {
     // Editors on some systems begin a file with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    serde_json::from_str::<Strict>(text).map(|Strict(value)| value)
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let left = Cell::new(MOST_VALUES);
+    let value = Strict { left: &left }.deserialize(&mut deserializer)?;
+    deserializer.end()?;
+    Ok(value)
 }
 
 /// Line (from 1) of the value that a JSON pointer names in a text that parses; of the innermost
@@ -218,5 +237,22 @@ mod tests {
     #[test]
     fn nesting_without_end_is_an_error_not_an_overflow() {
         assert!(parse(&"[".repeat(1_000_000)).is_err());
+    }
+
+    #[test]
+    fn values_without_end_are_an_error_before_they_fill_the_memory() {
+        let zeros = |n: usize| format!("[{}0]", "0,".repeat(n - 1));
+        assert!(
+            parse(&zeros(MOST_VALUES - 1)).is_ok(),
+            "the array counts too"
+        );
+        let error = parse(&zeros(MOST_VALUES)).unwrap_err().to_string();
+        assert!(error.contains("more than 1000000 values"), "{error}");
+    }
+
+    #[test]
+    fn what_follows_the_value_is_an_error() {
+        assert!(parse("{} {}").is_err());
+        assert!(parse("{} \n").is_ok());
     }
 }

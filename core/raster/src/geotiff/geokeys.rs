@@ -34,6 +34,11 @@ mod key {
     pub(super) const VERTICAL_UNITS: u16 = 4099;
 }
 
+/// Doubles of a key at most: seven are the most that any has.
+const MOST_DOUBLES: usize = 16;
+/// Bytes of a key's text at most that are looked at.
+const LONGEST_TEXT: usize = 200;
+
 /// "User-defined" as the value of a code.
 const USER_DEFINED: u16 = 32767;
 
@@ -59,6 +64,11 @@ impl GeoKeys {
         };
         for entry in entries.chunks_exact(4).take(head[3] as usize) {
             let (id, count, value) = (entry[0] as u16, entry[2] as usize, entry[3]);
+            // No key needs many values, and many keys that share the same long ones would add up.
+            let count = match entry[1] {
+                n if n == u64::from(tag::GEO_DOUBLE_PARAMS) => count.min(MOST_DOUBLES),
+                _ => count.min(LONGEST_TEXT),
+            };
             let range = value as usize..(value as usize).saturating_add(count);
             match entry[1] {
                 0 => keys.shorts.push((id, value as u16)),
@@ -75,7 +85,7 @@ impl GeoKeys {
                         id,
                         String::from_utf8_lossy(bytes)
                             .trim_end_matches(['|', '\0'])
-                            .to_owned(),
+                            .replace(char::is_control, " "),
                     )),
                     None => {
                         return damaged(format!(
@@ -281,11 +291,9 @@ impl GeoKeys {
     }
 
     fn citations(&self) -> String {
-        let texts = self
-            .texts
-            .iter()
-            .filter(|(id, _)| matches!(*id, key::CITATION | key::GEOGRAPHIC_CITATION));
+        let texts = [key::CITATION, key::GEOGRAPHIC_CITATION].into_iter();
         texts
+            .filter_map(|id| self.texts.iter().find(|(key, _)| *key == id))
             .map(|(_, text)| text.as_str())
             .collect::<Vec<_>>()
             .join("; ")

@@ -190,6 +190,14 @@ impl TiffBytes {
         self.number_at(at, size as usize)
     }
 
+    /// Whether the file has the first `count` values of an entry.
+    pub(crate) fn holds(&self, entry: &Entry, count: u64) -> bool {
+        count
+            .checked_mul(value_size(entry.kind))
+            .and_then(|n| n.checked_add(entry.at))
+            .is_some_and(|end| end <= self.bytes.length())
+    }
+
     /// The first value of a tag as an unsigned integer.
     pub(crate) fn unsigned(&self, ifd: &Ifd, tag: u16) -> Result<Option<u64>, Fault> {
         ifd.find(tag)

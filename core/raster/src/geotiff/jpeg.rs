@@ -18,6 +18,10 @@ pub(super) fn rgb_from_ycbcr(samples: &mut [u8], per_pixel: usize) {
 pub(super) fn check_size(jpeg: &[u8], width: u32, rows: u32) -> Result<(), Fault> {
     let mut at = 2;
     while let Some([0xff, marker, high, low]) = jpeg.get(at..at + 4) {
+        if *marker == 0xda {
+            // A scan before its frame: a frame further on is none.
+            break;
+        }
         // Start of frame: C0 to CF without the tables C4, C8 and CC.
         if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
             let Some(frame) = jpeg.get(at + 5..at + 9) else {

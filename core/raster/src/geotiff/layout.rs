@@ -7,6 +7,8 @@ use super::ifd::{Entry, Ifd, TiffBytes, tag};
 
 /// Decoded bytes of one chunk at most: a strip of a reasonable file is far smaller.
 const MAX_CHUNK_BYTES: u64 = 512 << 20;
+/// Bytes of a compressed chunk beyond twice what it decodes to: headers and tables.
+const MOST_OVERHEAD: u64 = 1 << 16;
 /// Longest side of an image; beyond, positions of pixels no longer fit comfortably.
 const MAX_SIDE: u64 = 1 << 30;
 /// Uncompressed strips are read in pieces of about so many bytes, however high the strip is.
@@ -177,19 +179,21 @@ impl Layout {
                 .find(|r| whole || stored_rows % r == 0)
                 .unwrap_or(1);
         }
-        layout.check_chunks()?;
+        layout.check_chunks(file)?;
         Ok(layout)
     }
 
-    fn check_chunks(&self) -> Result<(), Fault> {
-        let bytes = self.row_bytes().checked_mul(self.chunk_height.into());
-        if bytes.is_none_or(|n| n > MAX_CHUNK_BYTES) {
+    fn check_chunks(&self, file: &TiffBytes) -> Result<(), Fault> {
+        // All planes of a place count: they are read together.
+        let samples = self.samples / self.chunk_samples();
+        let bytes = self.chunk_bytes().saturating_mul(samples.into());
+        if bytes > MAX_CHUNK_BYTES {
             return unsupported(format!(
                 "expected strips or tiles of at most {} MiB, found {} x {} pixels of {} samples",
                 MAX_CHUNK_BYTES >> 20,
                 self.chunk_width,
                 self.chunk_height,
-                self.chunk_samples()
+                self.samples
             ));
         }
         let planes = if self.planar {
@@ -203,6 +207,13 @@ impl Layout {
             return damaged(format!(
                 "expected {stored} strip or tile positions, found {}",
                 self.offsets.count
+            ));
+        }
+        // An image cannot be larger than its table of chunks says, whatever its sides claim.
+        let tables = [Some(&self.offsets), self.byte_counts.as_ref()];
+        if !tables.into_iter().flatten().all(|t| file.holds(t, stored)) {
+            return damaged(format!(
+                "expected {stored} strip or tile positions, found a file that ends before them"
             ));
         }
         match self.byte_counts {
@@ -231,6 +242,13 @@ impl Layout {
     pub(crate) fn row_bytes(&self) -> u64 {
         (u64::from(self.chunk_width) * u64::from(self.chunk_samples()) * u64::from(self.bits))
             .div_ceil(8)
+    }
+
+    /// Bytes of a whole chunk's samples in memory, where bits take the next wider type.
+    pub(crate) fn chunk_bytes(&self) -> u64 {
+        let sample = u64::from(self.bits).div_ceil(8).next_power_of_two();
+        let row = u64::from(self.chunk_width) * u64::from(self.chunk_samples()) * sample;
+        row.saturating_mul(self.chunk_height.into())
     }
 
     /// Chunks side by side.
@@ -272,6 +290,13 @@ impl Layout {
             Some(counts) => file.unsigned_at(counts, index)?,
             None => self.row_bytes() * u64::from(self.rows_in(row)),
         };
+        // Holes in a file make it as long as anybody wants; no compression doubles its input.
+        let decoded = self.row_bytes() * u64::from(self.rows_in(row));
+        if self.compression != compression::NONE && length > 2 * decoded + MOST_OVERHEAD {
+            return damaged(format!(
+                "expected a strip or tile of {decoded} bytes, found {length} compressed ones"
+            ));
+        }
         Ok((offset != 0 && length != 0).then_some((offset, length)))
     }
 
@@ -321,9 +346,9 @@ fn side(file: &TiffBytes, ifd: &Ifd, tag: u16, name: &str) -> Result<u32, Fault>
 fn uniform(file: &TiffBytes, ifd: &Ifd, tag: u16, default: u16, name: &str) -> Result<u16, Fault> {
     let values = file.unsigned_vec(ifd, tag, 1 << 16)?;
     let first = values.first().copied().unwrap_or(default.into());
-    if values.iter().any(|v| *v != first) {
+    if let Some(other) = values.iter().find(|v| **v != first) {
         return unsupported(format!(
-            "expected the same {name} in all bands, found {values:?}"
+            "expected the same {name} in all bands, found {first} and {other}"
         ));
     }
     u16::try_from(first).or_else(|_| damaged(format!("expected {name} below 65536, found {first}")))

@@ -108,7 +108,8 @@ impl GeoTiff {
             column,
             row,
         };
-        self.cache.get(key, || {
+        let bytes = image.layout.chunk_bytes();
+        self.cache.get_sized(key, bytes, || {
             chunk::decode(&image.file, &image.layout, plane, column, row)
         })
     }

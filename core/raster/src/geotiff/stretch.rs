@@ -9,6 +9,10 @@ use crate::{Bands, Block};
 
 /// Chunks looked at to choose a stretch.
 const STRETCH_CHUNKS: u64 = 64;
+/// Decoded bytes of chunks looked at to choose a stretch, of one chunk at least.
+const STRETCH_BYTES: u64 = 256 << 20;
+/// Pixels of a chunk looked at.
+const STRETCH_PIXELS: u32 = 1 << 20;
 /// Samples kept to choose a stretch.
 const STRETCH_SAMPLES: usize = 1 << 18;
 
@@ -82,7 +86,8 @@ impl GeoTiff {
         let level = self.levels.len() - 1;
         let layout = &self.levels[level].image.layout;
         let chunks = u64::from(layout.columns()) * u64::from(layout.rows());
-        let looked_at = chunks.min(STRETCH_CHUNKS);
+        let affordable = (STRETCH_BYTES / layout.chunk_bytes().max(1)).max(1);
+        let looked_at = chunks.min(STRETCH_CHUNKS).min(affordable);
         let per_chunk = (STRETCH_SAMPLES as u64 / looked_at).max(1);
         let mut values = Vec::new();
         let mut block = Block::new(Bands::Colour, 0, 0);
@@ -91,11 +96,16 @@ impl GeoTiff {
             let columns = u64::from(layout.columns());
             let x = (index % columns) as u32 * layout.chunk_width;
             let y = (index / columns) as u32 * layout.chunk_height;
+            let width = layout
+                .chunk_width
+                .min(layout.width - x)
+                .min(STRETCH_PIXELS);
+            let height = layout.chunk_height.min(layout.height - y);
             let rect = PixelRect {
                 x,
                 y,
-                width: layout.chunk_width.min(layout.width - x),
-                height: layout.chunk_height.min(layout.height - y),
+                width,
+                height: height.min(STRETCH_PIXELS / width),
             };
             block.reshape(Bands::Colour, rect.width as usize, rect.height as usize);
             self.read_level(level, rect, &mut block, &Cancel::default())?;

@@ -1,6 +1,7 @@
 //! Small files made for tests.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+#![allow(dead_code, reason = "each test program uses a part of them")]
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
