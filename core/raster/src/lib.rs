@@ -28,6 +28,7 @@ mod picture;
 mod prj;
 mod pyramid;
 mod tileset;
+mod text;
 
 pub use block::{Bands, Block};
 pub use file::{Cancel, PixelRect, RasterFile, RasterInfo};

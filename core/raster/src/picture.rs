@@ -14,6 +14,7 @@ use crate::{Bands, Block, prj, pyramid, worldfile};
 
 mod limits;
 
+use crate::text::one_line;
 use limits::{MAX_SIDE, MOST_BYTES, TooLarge};
 
 /// Kinds of pictures.
@@ -150,7 +151,7 @@ fn decode_error(error: image::ImageError, format: Format, path: &Path) -> OpenEr
         },
         image::ImageError::Unsupported(e) => OpenError::Unsupported {
             format,
-            reason: e.to_string(),
+            reason: one_line(e),
             path,
         },
         image::ImageError::IoError(_) => OpenError::Damaged {
@@ -160,19 +161,11 @@ fn decode_error(error: image::ImageError, format: Format, path: &Path) -> OpenEr
         },
         other @ (image::ImageError::Decoding(_)
         | image::ImageError::Encoding(_)
-        | image::ImageError::Parameter(_)) => {
-            // Decoders write over several lines now and then.
-            let reason = other
-                .to_string()
-                .split_whitespace()
-                .collect::<Vec<_>>()
-                .join(" ");
-            OpenError::Damaged {
-                format,
-                reason,
-                path,
-            }
-        }
+        | image::ImageError::Parameter(_)) => OpenError::Damaged {
+            format,
+            reason: one_line(other),
+            path,
+        },
     }
 }
 

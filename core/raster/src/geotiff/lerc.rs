@@ -11,6 +11,7 @@ use tiff::decoder::DecodingResult;
 
 use super::fault::{Fault, damaged, unsupported};
 use super::layout::{Layout, LercWrapping, SampleFormat};
+use crate::text::one_line;
 
 /// Bytes of a LERC blob beyond its raw samples at most: headers and a mask.
 const HEADER_BYTES: u64 = 1 << 16;
@@ -37,7 +38,10 @@ pub(super) fn decode(
         }
     };
     let fault = |error: lerc_core::Error| {
-        Fault::Damaged(format!("cannot decode a strip or tile of LERC: {error}"))
+        Fault::Damaged(format!(
+            "cannot decode a strip or tile of LERC: {}",
+            one_line(error)
+        ))
     };
     // The decoder allocates by what the blob says of itself.
     let options = InspectOptions::new().with_compute_value_range(false);
@@ -76,7 +80,12 @@ fn read_all(reader: impl Read, limit: u64) -> Result<Vec<u8>, Fault> {
     reader
         .take(limit + 1)
         .read_to_end(&mut bytes)
-        .map_err(|e| Fault::Damaged(format!("cannot decompress a strip or tile of LERC: {e}")))?;
+        .map_err(|e| {
+            Fault::Damaged(format!(
+                "cannot decompress a strip or tile of LERC: {}",
+                one_line(e)
+            ))
+        })?;
     if bytes.len() as u64 > limit {
         return damaged(format!(
             "expected at most {limit} bytes of LERC in a strip or tile, found more"

@@ -10,6 +10,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 
 use super::fault::Fault;
 use super::layout::{Layout, SampleFormat, photometric};
+use crate::text::one_line;
 
 /// The samples of a chunk of so many rows; packed rows as rows of bytes.
 pub(super) fn decode(
@@ -39,8 +40,12 @@ pub(super) fn decode(
         big_endian,
     }
     .bytes(raw);
-    let fault =
-        |error: tiff::TiffError| Fault::Damaged(format!("cannot decode a strip or tile: {error}"));
+    let fault = |error: tiff::TiffError| {
+        Fault::Damaged(format!(
+            "cannot decode a strip or tile: {}",
+            one_line(error)
+        ))
+    };
     let mut limits = Limits::default();
     limits.decoding_buffer_size = (layout.row_bytes() * u64::from(rows)) as usize;
     limits.intermediate_buffer_size = raw.len();

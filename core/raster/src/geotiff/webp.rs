@@ -7,11 +7,15 @@ use image::{ColorType, ImageDecoder};
 
 use super::fault::{Fault, damaged};
 use super::layout::Layout;
+use crate::text::one_line;
 
 /// The samples of a chunk of so many rows.
 pub(super) fn decode(raw: &[u8], layout: &Layout, rows: u32) -> Result<Vec<u8>, Fault> {
     let fault = |error: image::ImageError| {
-        Fault::Damaged(format!("cannot decode a strip or tile of WebP: {error}"))
+        Fault::Damaged(format!(
+            "cannot decode a strip or tile of WebP: {}",
+            one_line(error)
+        ))
     };
     let decoder = WebPDecoder::new(Cursor::new(raw)).map_err(fault)?;
     // A decoder allocates by the size in its stream.
