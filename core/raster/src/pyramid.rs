@@ -174,7 +174,9 @@ impl Plan<'_> {
         } else {
             info.overviews.len() - 1
         }];
-        let area = u64::from(size.width) * u64::from(size.height);
+        // Narrow images cost whole tiles.
+        let side = |n: u32| u64::from(n.max(TILE));
+        let area = side(size.width) * side(size.height);
         let advice = "make overviews with gdaladdo";
         if area > LARGEST_AREA {
             return Err(format!(

@@ -482,3 +482,34 @@ fn a_stretch_is_chosen_from_a_part_of_large_chunks() {
     assert_eq!(outcome.refused, None);
     assert!(outcome.peak_bytes < MOST_BYTES, "{}", outcome.peak_bytes);
 }
+
+#[test]
+fn a_thread_of_pixels_counts_as_the_tiles_that_it_fills() {
+    // Two columns of 2^29 pixels, one below the other: a gigapixel, and four million tiles.
+    let data = zstd_zeros(1 << 29, 17);
+    let length = data.len() as u32;
+    let tables: Vec<u8> = [1024, 1024, length, length]
+        .into_iter()
+        .flat_map(u32::to_le_bytes)
+        .collect();
+    let mut data_and_tables = tables;
+    data_and_tables.resize((1024 - DATA_AT) as usize, 0);
+    data_and_tables.extend(&data);
+    let file = tiff(
+        &[
+            (256, LONG, 1, 1),
+            (257, LONG, 1, 1 << 30),
+            (258, SHORT, 1, 8),
+            (259, SHORT, 1, 50000),
+            (262, SHORT, 1, 1),
+            (278, LONG, 1, 1 << 29),
+            (273, LONG, 2, DATA_AT),
+            (279, LONG, 2, DATA_AT + 8),
+        ],
+        &data_and_tables,
+    );
+    let [_, pyramid] = both();
+    let outcome = measure("thread.tif", &file, &pyramid);
+    assert!(outcome.refused.unwrap().contains("overviews"));
+    assert!(outcome.peak_bytes < BASE_BYTES, "{}", outcome.peak_bytes);
+}
