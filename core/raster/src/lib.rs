@@ -27,8 +27,8 @@ mod parts;
 mod picture;
 mod prj;
 mod pyramid;
-mod tileset;
 mod text;
+mod tileset;
 
 pub use block::{Bands, Block};
 pub use file::{Cancel, PixelRect, RasterFile, RasterInfo};

@@ -42,6 +42,8 @@ pub(super) fn check(path: &Path, format: Format, bytes: u64) -> io::Result<Resul
                 bytes
             },
         ),
+        // A few bytes may stand for any number of pixels of one colour; the decoder holds them twice.
+        Format::WebP => (MOST_BYTES, 2 * bytes),
     };
     if needed > MOST_BYTES {
         return Ok(Err(TooLarge::Memory(needed)));

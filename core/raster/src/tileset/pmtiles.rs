@@ -18,7 +18,9 @@ use crate::geotiff::Bytes;
 /// Bytes of the header.
 const HEADER_BYTES: usize = 127;
 /// Decompressed bytes of a directory or of the metadata at most.
-const MAX_DIRECTORY_BYTES: u64 = 64 << 20;
+const MAX_DIRECTORY_BYTES: u64 = 16 << 20;
+/// Bytes of metadata that are parsed at most: values take many times the memory of their text.
+const MAX_METADATA_BYTES: usize = 1 << 20;
 /// Directories below the root at most: the specification hopes for one.
 const MAX_DEPTH: usize = 4;
 /// Entries of directories kept in memory at most.
@@ -115,7 +117,9 @@ impl PmTiles {
         if long(32) > 0 {
             let text = decompressed(&bytes, long(24), long(32), internal)?;
             // Metadata that cannot be read cost hints, no tiles.
-            if let Ok(Value::Object(members)) = serde_json::from_slice::<Value>(&text) {
+            if text.len() <= MAX_METADATA_BYTES
+                && let Ok(Value::Object(members)) = serde_json::from_slice::<Value>(&text)
+            {
                 hints.take(&members);
             }
         }
