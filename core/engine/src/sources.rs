@@ -17,7 +17,7 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use parking_lot::{Condvar, Mutex};
 use relievo_graph::RenderError;
-use relievo_project::{LayerKind, Project, Source, resolve_path};
+use relievo_project::{LayerKind, Project, Source, Stretch, resolve_path};
 use relievo_raster::chunk_cache::ChunkCache;
 use relievo_raster::open::DEFAULT_CHUNK_CACHE_BYTES;
 use relievo_raster::{Bands, Cancel, RasterFile};
@@ -68,6 +68,7 @@ struct Request {
     key: SourceKey,
     source: Source,
     bands: Option<Vec<u16>>,
+    stretch: Stretch,
 }
 
 /// A file that some layer names.
@@ -380,9 +381,12 @@ impl Shared {
 
 /// The file of a layer and how it is read.
 fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
-    let (source, bands, chosen) = match kind {
-        LayerKind::Imagery(l) => (&l.source, Bands::Colour, l.bands.clone()),
-        LayerKind::Height(l) => (&l.source, Bands::Height, l.band.map(|b| vec![b])),
+    let (source, bands, chosen, stretch) = match kind {
+        LayerKind::Imagery(l) => (&l.source, Bands::Colour, l.bands.clone(), l.stretch),
+        LayerKind::Height(l) => {
+            let chosen = l.band.map(|b| vec![b]);
+            (&l.source, Bands::Height, chosen, Stretch::Auto)
+        }
         LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => return None,
     };
     let place = source.georeference.as_ref();
@@ -394,7 +398,7 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
         path: resolve_path(folder, &source.path),
         bands,
         options: format!(
-            "{crs:?} {extent:?} {:?} {chosen:?} {:?} {:?}",
+            "{crs:?} {extent:?} {:?} {chosen:?} {:?} {:?} {stretch:?}",
             source.nodata, source.encoding, source.tile_rows
         ),
     };
@@ -402,5 +406,6 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
         key,
         source: source.clone(),
         bands: chosen,
+        stretch,
     })
 }

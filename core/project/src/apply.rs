@@ -168,6 +168,14 @@ impl Project {
                     id,
                 }
             }
+            Edit::SetStretch { id, stretch } => {
+                let layer = self.layer_mut(&id)?;
+                let LayerKind::Imagery(imagery) = &mut layer.kind else {
+                    return Err(wrong_kind(layer, "stretch", "an imagery layer"));
+                };
+                let stretch = mem::replace(&mut imagery.stretch, stretch);
+                Edit::SetStretch { id, stretch }
+            }
             Edit::SetBands { id, bands } => self.set_bands(id, bands)?,
             Edit::SetHeightScale {
                 id,

@@ -2,7 +2,7 @@
 
 use crate::{
     Adjust, Blend, CameraSettings, Georeference, HeightEncoding, Layer, LayerId, Noise,
-    PlanetSettings, Quality, Resampling, Sun, TileRows, Tint,
+    PlanetSettings, Quality, Resampling, Stretch, Sun, TileRows, Tint,
 };
 
 /// One change of a project. Values replace the old ones as a whole.
@@ -112,6 +112,13 @@ pub enum Edit {
         encoding: Option<HeightEncoding>,
         /// `None`: as the set's metadata or its kind say.
         tile_rows: Option<TileRows>,
+    },
+    /// Changes how stored numbers become colours.
+    SetStretch {
+        /// Which imagery layer.
+        id: LayerId,
+        /// The new way.
+        stretch: Stretch,
     },
     /// Chooses bands: one, three or four for imagery, one for heights.
     SetBands {

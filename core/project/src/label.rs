@@ -21,6 +21,7 @@ impl Edit {
             | Self::SetGeoreference { id, .. }
             | Self::SetNodata { id, .. }
             | Self::SetTiles { id, .. }
+            | Self::SetStretch { id, .. }
             | Self::SetBands { id, .. }
             | Self::SetHeightScale { id, .. }
             | Self::SetNoise { id, .. }
@@ -59,6 +60,7 @@ impl Edit {
             | Self::SetGeoreference { .. }
             | Self::SetNodata { .. }
             | Self::SetTiles { .. }
+            | Self::SetStretch { .. }
             | Self::SetBands { .. } => Aspect::Source,
             Self::SetHeightScale { .. } => Aspect::HeightScale,
             Self::SetNoise { .. } => Aspect::Noise,
@@ -99,6 +101,7 @@ impl Edit {
             Self::SetGeoreference { .. } => "Place of",
             Self::SetNodata { .. } => "No-data value of",
             Self::SetTiles { .. } => "Tiles of",
+            Self::SetStretch { .. } => "Stretch of",
             Self::SetBands { .. } => "Bands of",
             Self::SetHeightScale { .. } => "Height scale of",
             Self::SetNoise { .. } => "Noise of",

@@ -263,6 +263,32 @@ impl Adjust {
     }
 }
 
+/// How stored numbers of an image become colours.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Stretch {
+    /// 8-bit numbers as they are, others between their 2nd and 98th percentile.
+    #[default]
+    Auto,
+    /// The full range of their type; floats from 0 to 1.
+    Full,
+    /// From the lowest to the highest.
+    MinMax,
+    /// Between two percentiles, 0 to 100, the first below the second.
+    Percentile {
+        /// Percent of the numbers that are shown as black.
+        low: f64,
+        /// Percent of the numbers below those that are shown as white.
+        high: f64,
+    },
+    /// Between two stored values, which differ.
+    Range {
+        /// Shown as black.
+        black: f64,
+        /// Shown as white.
+        white: f64,
+    },
+}
+
 /// Colours from a raster file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageryLayer {
@@ -271,6 +297,8 @@ pub struct ImageryLayer {
     /// Which bands are red, green, blue (and alpha), counted from 1: one (grey), three or four.
     /// `None`: as the file says.
     pub bands: Option<Vec<u16>>,
+    /// How stored numbers become colours.
+    pub stretch: Stretch,
     /// How it meets the layers below.
     pub blend: Blend,
     /// Colour adjustment.
@@ -283,6 +311,7 @@ impl ImageryLayer {
         Self {
             source,
             bands: None,
+            stretch: Stretch::Auto,
             blend: Blend::Normal,
             adjust: Adjust::default(),
         }

@@ -32,8 +32,8 @@ pub use history::History;
 pub use json::{MOST_BYTES, schema, schema_text};
 pub use layer::{
     Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer, LayerId,
-    LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, TileRows, Tint, TintInterpolation,
-    TintLayer, TintStop,
+    LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows, Tint,
+    TintInterpolation, TintLayer, TintStop,
 };
 pub use paths::{resolve_path, store_path};
 pub use stored::fault::Fault;

@@ -120,6 +120,7 @@ pub(crate) fn rebase_edit(edit: &mut Edit, from: &Path, to: &Path) {
         | Edit::SetGeoreference { .. }
         | Edit::SetNodata { .. }
         | Edit::SetTiles { .. }
+        | Edit::SetStretch { .. }
         | Edit::SetBands { .. }
         | Edit::SetHeightScale { .. }
         | Edit::SetNoise { .. }

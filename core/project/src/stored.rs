@@ -12,4 +12,5 @@ pub(crate) mod fault;
 pub(crate) mod migrate;
 pub(crate) mod parse;
 pub(crate) mod range;
+pub(crate) mod stretch;
 pub(crate) mod v1;

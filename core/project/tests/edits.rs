@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use relievo_project::{
     Adjust, Affects, Aspect, Blend, CameraSettings, Edit, Georeference, HeightEncoding,
     HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Noise, NoiseLayer,
-    PlanetSettings, Project, Quality, Resampling, Source, Sun, TileRows, Tint, TintInterpolation,
-    TintStop,
+    PlanetSettings, Project, Quality, Resampling, Source, Stretch, Sun, TileRows, Tint,
+    TintInterpolation, TintStop,
 };
 
 const EVERYTHING: &str = include_str!("data/everything.relievo");
@@ -104,6 +104,19 @@ fn edit() -> impl Strategy<Value = Edit> {
             id,
             encoding: encoded.then_some(HeightEncoding::Terrarium),
             tile_rows: south.then_some(TileRows::Tms),
+        }),
+        (id(), 0..5_u8, -50.0..150.0_f64, -50.0..150.0_f64).prop_map(|(id, kind, low, high)| {
+            let stretch = match kind {
+                0 => Stretch::Auto,
+                1 => Stretch::Full,
+                2 => Stretch::MinMax,
+                3 => Stretch::Percentile { low, high },
+                _ => Stretch::Range {
+                    black: low,
+                    white: high,
+                },
+            };
+            Edit::SetStretch { id, stretch }
         }),
         (
             id(),
@@ -380,6 +393,66 @@ fn values_that_no_file_can_hold_are_refused() {
         })
         .unwrap_err();
     assert_eq!(project.to_json(), EVERYTHING);
+}
+
+#[test]
+fn only_imagery_is_stretched_and_only_between_numbers_that_make_sense() {
+    let mut project = everything();
+    let set = |id: &str, stretch| Edit::SetStretch {
+        id: id.into(),
+        stretch,
+    };
+    let line = project
+        .apply(set("wasatch", Stretch::Full))
+        .unwrap_err()
+        .to_string();
+    assert!(line.contains("imagery layer"), "{line}");
+    for nonsense in [
+        Stretch::Percentile {
+            low: 50.0,
+            high: 50.0,
+        },
+        Stretch::Percentile {
+            low: -1.0,
+            high: 50.0,
+        },
+        Stretch::Percentile {
+            low: 2.0,
+            high: 101.0,
+        },
+        Stretch::Range {
+            black: 7.0,
+            white: 7.0,
+        },
+        Stretch::Range {
+            black: f64::NAN,
+            white: 7.0,
+        },
+        Stretch::Range {
+            black: 0.0,
+            white: f64::INFINITY,
+        },
+    ] {
+        let line = project
+            .apply(set("blue-marble", nonsense))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            line.contains("percentile") && !line.contains('\n'),
+            "{line}"
+        );
+    }
+    assert_eq!(project.to_json(), EVERYTHING);
+    project
+        .apply(set(
+            "blue-marble",
+            Stretch::Range {
+                black: 3000.0,
+                white: 0.0,
+            },
+        ))
+        .unwrap();
+    assert!(project.to_json().contains("\"range\""));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use relievo_project::{Georeference, HeightEncoding, TileRows};
+use relievo_project::{Georeference, HeightEncoding, Stretch, TileRows};
 use relievo_raster::RasterFile;
 use relievo_raster::open::{self as raster_open, OpenOptions, open};
 
@@ -29,6 +29,16 @@ impl Shared {
                 .as_ref()
                 .map(|b| b.iter().map(|n| n.saturating_sub(1)).collect()),
             nodata: request.source.nodata,
+            stretch: match request.stretch {
+                Stretch::Auto => raster_open::Stretch::Auto,
+                Stretch::Full => raster_open::Stretch::Full,
+                Stretch::MinMax => raster_open::Stretch::MinMax,
+                Stretch::Percentile { low, high } => raster_open::Stretch::Percentile { low, high },
+                Stretch::Range { black, white } => raster_open::Stretch::Range {
+                    low: black,
+                    high: white,
+                },
+            },
             encoding: request.source.encoding.map(|e| match e {
                 HeightEncoding::TerrainRgb => raster_open::HeightEncoding::TerrainRgb,
                 HeightEncoding::Terrarium => raster_open::HeightEncoding::Terrarium,

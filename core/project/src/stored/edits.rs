@@ -13,6 +13,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
 use super::fault::{At, Fault, describe, quote};
+use super::stretch::StoredStretch;
 use super::value::{Fields, Stored, With, object};
 use super::{range, v1};
 use crate::Extra;
@@ -115,6 +116,8 @@ stored_edits! {
     }
     /// Chooses bands, counted from 1; as the file says where `bands` is left out.
     SetBands = "set_bands" { id: String, bands: Option<Vec<u32>> => range::BAND, }
+    /// Changes how stored numbers of an imagery layer become colours; auto where `stretch` is left out.
+    SetStretch = "set_stretch" { id: String, stretch: Option<StoredStretch>, }
     /// Changes how a height layer's values become metres.
     SetHeightScale = "set_height_scale" {
         id: String,

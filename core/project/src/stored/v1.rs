@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::fault::{At, Fault, describe, quote};
 use super::range;
+use super::stretch::StoredStretch;
 use super::value::{Fields, InRange as _, Stored, With, object, put_extra};
 use crate::Extra;
 
@@ -255,6 +256,8 @@ fields! {
         /// Which bands are red, green, blue (and alpha), counted from 1: one (grey), three or four.
         #[schemars(length(min = 1, max = 4))]
         bands: Option<Vec<u32>> => range::BAND,
+        /// How stored numbers become colours; auto where left out.
+        stretch: Option<StoredStretch>,
         /// How samples between pixels are made; bilinear where left out.
         resampling: Option<Resampling>,
         /// Width in metres over which the layer fades in from its edge; 0 where left out.

@@ -48,16 +48,17 @@ impl Choice {
                     "files hold heights or colours, {other:?} was asked for"
                 )));
             }
-            (Some(select), None) if select.len() == 3 => Some(Bands::Colour),
+            (Some(select), None) if select.len() >= 3 => Some(Bands::Colour),
             _ => None,
         };
         let bands = asked.unwrap_or(natural);
         let selected = match &options.select {
             Some(select) => {
-                let fits = select.len() == 1 || (select.len() == 3 && bands == Bands::Colour);
+                let fits =
+                    select.len() == 1 || (matches!(select.len(), 3 | 4) && bands == Bands::Colour);
                 if !fits || select.iter().any(|b| *b >= layout.samples) {
                     return Err(MeaningError::Options(format!(
-                        "expected 1 band for heights, 1 or 3 for colours, each below {}, found {select:?}",
+                        "expected 1 band for heights, 1, 3 or 4 for colours, each below {}, found {select:?}",
                         layout.samples
                     )));
                 }
@@ -72,7 +73,12 @@ impl Choice {
             }
             None => vec![0],
         };
-        let alpha = alpha.filter(|(band, _)| !selected.contains(band));
+        let mut selected = selected;
+        let alpha = match (selected.len(), alpha) {
+            // The fourth that is asked for is alpha, multiplied in only where the file says so of it.
+            (4, own) => selected.pop().map(|band| (band, own == Some((band, true)))),
+            (_, own) => own.filter(|(band, _)| !selected.contains(band)),
+        };
         Ok(Self {
             bands,
             selected,

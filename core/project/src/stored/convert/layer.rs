@@ -2,11 +2,12 @@
 
 use super::{Twin, filled, text, unless_default};
 use crate::stored::fault::{At, Fault, quote};
+use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
 use crate::stored::{range, v1};
 use crate::{
     Adjust, Blend, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind,
-    Noise, NoiseLayer, Resampling, Source, Tint, TintInterpolation, TintLayer, TintStop,
+    Noise, NoiseLayer, Resampling, Source, Stretch, Tint, TintInterpolation, TintLayer, TintStop,
 };
 
 /// A valid id.
@@ -119,6 +120,7 @@ impl Twin for ImageryLayer {
                 .bands
                 .map(|given| bands(&given, &At::Member(at, "bands")))
                 .transpose()?,
+            stretch: stored.stretch.map_or(Stretch::Auto, |s| s.0),
             blend: stored.blend.map_or(Blend::Normal, Into::into),
             adjust: adjust(stored.adjust, at)?,
         })
@@ -134,6 +136,7 @@ impl Twin for ImageryLayer {
                 .bands
                 .as_ref()
                 .map(|bands| bands.iter().copied().map(u32::from).collect()),
+            stretch: unless_default(self.stretch, &Stretch::Auto).map(StoredStretch),
             resampling: unless_default(self.source.resampling, &Resampling::Bilinear)
                 .map(Into::into),
             edge_fade_m: unless_default(self.source.edge_fade_m, &0.0),

@@ -3,18 +3,19 @@
 use super::{
     AddLayer, Batch, MoveLayer, RemoveLayer, SetAdjust, SetBands, SetBlend, SetCamera, SetEdgeFade,
     SetExaggeration, SetGeoreference, SetHeightScale, SetLocked, SetName, SetNodata, SetNoise,
-    SetOpacity, SetPath, SetPlanet, SetQuality, SetResampling, SetSun, SetTiles, SetTint,
-    SetVisible, StoredEdit,
+    SetOpacity, SetPath, SetPlanet, SetQuality, SetResampling, SetStretch, SetSun, SetTiles,
+    SetTint, SetVisible, StoredEdit,
 };
 use crate::stored::convert::{
     Twin, bands, layer_id, layer_name, source_path, stored_tint, tint, unknown_is_unknown,
 };
 use crate::stored::fault::{At, Fault};
 use crate::stored::range;
+use crate::stored::stretch::StoredStretch;
 use crate::stored::value::With;
 use crate::{
     Adjust, CameraSettings, Edit, Extra, Georeference, Layer, LayerId, Noise, PlanetSettings,
-    Quality, Sun,
+    Quality, Stretch, Sun,
 };
 
 impl Twin for Edit {
@@ -94,6 +95,10 @@ impl Twin for Edit {
                 id: id(e.id)?,
                 encoding: e.encoding.map(Into::into),
                 tile_rows: e.tile_rows.map(Into::into),
+            },
+            StoredEdit::SetStretch(e) => Self::SetStretch {
+                id: id(e.id)?,
+                stretch: e.stretch.map_or(Stretch::Auto, |s| s.0),
             },
             StoredEdit::SetBands(e) => {
                 let place = At::Member(at, "bands");
@@ -220,6 +225,10 @@ impl Twin for Edit {
                 id: id.0.clone(),
                 encoding: encoding.map(Into::into),
                 tile_rows: tile_rows.map(Into::into),
+            }),
+            Self::SetStretch { id, stretch } => StoredEdit::SetStretch(SetStretch {
+                id: text(id),
+                stretch: Some(StoredStretch(*stretch)),
             }),
             Self::SetBands { id, bands } => StoredEdit::SetBands(SetBands {
                 id: text(id),
