@@ -26,7 +26,9 @@ fn answer(line: &str) -> Result<String, String> {
     let &[file, level, bands, select, out] = fields.as_slice() else {
         return Err(format!("expected five fields, found {}", fields.len()));
     };
-    let level: usize = level.parse().map_err(|_| "expected a level".to_owned())?;
+    let level: usize = level
+        .parse()
+        .map_err(|e| format!("expected a level: {e}"))?;
     let options = OpenOptions {
         make_pyramid: false,
         as_bands: match bands {

@@ -73,11 +73,10 @@ pub(crate) fn decode(
         }
         _ => {
             let samples = strip::decode(&raw, layout, rows, file.big_endian)?;
-            match samples {
-                DecodingResult::U8(bytes) if layout.is_packed() => {
-                    packed::unpack(&bytes, layout, file.big_endian)
-                }
-                whole => whole,
+            if let (DecodingResult::U8(bytes), true) = (&samples, layout.is_packed()) {
+                packed::unpack(bytes, layout, file.big_endian)
+            } else {
+                samples
             }
         }
     };

@@ -88,7 +88,6 @@ fn affine(file: &TiffBytes, ifd: &Ifd) -> Result<Option<[f64; 6]>, Fault> {
     let scale = file.f64_vec(ifd, tag::MODEL_PIXEL_SCALE, 16)?;
     let tiepoints = file.f64_vec(ifd, tag::MODEL_TIEPOINT, 1 << 16)?;
     match (scale.as_slice(), tiepoints.as_slice()) {
-        ([], []) => Ok(None),
         (&[dx, dy, ..], &[column, row, _, x, y, _, ..]) => {
             // Files with a negative second scale are north up all the same: some programs got the
             // sign wrong, and GDAL reads them so (GTIFF_HONOUR_NEGATIVE_SCALEY). South-up files that
@@ -96,8 +95,8 @@ fn affine(file: &TiffBytes, ifd: &Ifd) -> Result<Option<[f64; 6]>, Fault> {
             let dy = -dy.abs();
             Ok(Some([x - column * dx, dx, 0.0, y - row * dy, 0.0, dy]))
         }
-        // A single tiepoint without a scale, or a scale without a tiepoint, places nothing; many
-        // tiepoints are control points.
+        // Neither; a single tiepoint without a scale or a scale without a tiepoint, which place
+        // nothing; many tiepoints, which are control points.
         _ => Ok(None),
     }
 }

@@ -151,12 +151,14 @@ fn swap_bytes(samples: &mut DecodingResult) {
         DecodingResult::U32(v) => v.iter_mut().for_each(|n| *n = n.swap_bytes()),
         DecodingResult::I32(v) => v.iter_mut().for_each(|n| *n = n.swap_bytes()),
         DecodingResult::F32(v) => {
-            v.iter_mut()
-                .for_each(|n| *n = f32::from_bits(n.to_bits().swap_bytes()));
+            for n in v {
+                *n = f32::from_bits(n.to_bits().swap_bytes());
+            }
         }
         DecodingResult::F64(v) => {
-            v.iter_mut()
-                .for_each(|n| *n = f64::from_bits(n.to_bits().swap_bytes()));
+            for n in v {
+                *n = f64::from_bits(n.to_bits().swap_bytes());
+            }
         }
         DecodingResult::U8(_)
         | DecodingResult::I8(_)
@@ -177,7 +179,14 @@ fn with_alpha(decoded: &Decoded, layout: &Layout) -> Result<DecodingResult, Faul
         PixelData::U16(v) if layout.bits == 16 => {
             Ok(DecodingResult::U16(interleave(v, colours, mask, u16::MAX)))
         }
-        _ => unsupported(format!(
+        PixelData::U8(_)
+        | PixelData::I8(_)
+        | PixelData::U16(_)
+        | PixelData::I16(_)
+        | PixelData::U32(_)
+        | PixelData::I32(_)
+        | PixelData::F32(_)
+        | PixelData::F64(_) => unsupported(format!(
             "expected 8 or 16-bit colours with a mask in LERC, found {}-bit {:?} samples",
             layout.bits, layout.format
         )),

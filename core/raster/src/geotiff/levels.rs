@@ -85,7 +85,7 @@ pub(super) fn read(
             }
         })?;
     }
-    found.matched()
+    Ok(found.matched())
 }
 
 impl Found {
@@ -139,7 +139,7 @@ impl Found {
     }
 
     /// Levels in order, each with its mask.
-    fn matched(self) -> Result<Vec<Level>, Fault> {
+    fn matched(self) -> Vec<Level> {
         let Self { mut levels, masks } = self;
         let size = |image: &Image| (image.layout.width, image.layout.height);
         levels[1..].sort_by_key(|level| {
@@ -158,7 +158,7 @@ impl Found {
             let masked = levels.iter().take_while(|l| l.mask.is_some()).count();
             levels.truncate(masked);
         }
-        Ok(levels)
+        levels
     }
 }
 

@@ -110,13 +110,11 @@ mod tests {
             each in 1u32..=32, values in prop::collection::vec(any::<u32>(), 0..20),
         ) {
             let wanted: Vec<u32> = values.iter().map(|v| v >> (32 - each)).collect();
-            let text: String = wanted.iter().map(|v| format!("{v:0width$b}", width = each as usize)).collect();
-            let padded = format!("{text:0<width$}", width = text.len().next_multiple_of(8));
-            let bytes: Vec<u8> = padded
-                .as_bytes()
-                .chunks(8)
-                .map(|b| b.iter().fold(0, |n, d| n << 1 | (d - b'0')))
-                .collect();
+            let count = wanted.len() * each as usize;
+            let mut bytes = vec![0u8; count.div_ceil(8)];
+            for (place, bit) in wanted.iter().flat_map(|v| (0..each).rev().map(move |b| v >> b & 1)).enumerate() {
+                bytes[place / 8] |= (bit as u8) << (7 - place % 8);
+            }
             let found: Vec<u32> = Bits::new(&bytes, each).take(wanted.len()).collect();
             prop_assert_eq!(found, wanted);
         }

@@ -218,6 +218,9 @@ fn tiles_of(size: OverviewInfo, tile: u32) -> usize {
     size.width.div_ceil(tile) as usize * size.height.div_ceil(tile) as usize
 }
 
+/// A compressed tile.
+type MadeTile = Result<Vec<u8>, WriteError>;
+
 /// Makes the tiles of one level.
 struct TileMaker<'a> {
     layout: &'a CogLayout,
@@ -238,8 +241,7 @@ impl TileMaker<'_> {
         work: &CogWork<'_>,
     ) -> Result<Vec<Vec<u8>>, WriteError> {
         let next = AtomicUsize::new(0);
-        let made: Mutex<Vec<Option<Result<Vec<u8>, WriteError>>>> =
-            Mutex::new((0..count).map(|_| None).collect());
+        let made: Mutex<Vec<Option<MadeTile>>> = Mutex::new((0..count).map(|_| None).collect());
         let make = || loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
             if i >= count {

@@ -53,18 +53,13 @@ impl Spool {
             .truncate(false)
             .open(&kept)
             .map_err(&error)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(WriteError::Unsupported {
-                    reason:
-                        "expected to write alone, found that another process writes the same file"
-                            .into(),
-                    path: path.to_owned(),
-                });
-            }
-            // A file system without locks: two at once are the user's to avoid.
-            Err(TryLockError::Error(_)) => {}
+        // On a file system without locks two at once are the user's to avoid.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let reason = "expected to write alone, found that another process writes the same file";
+            return Err(WriteError::Unsupported {
+                reason: reason.into(),
+                path: path.to_owned(),
+            });
         }
         let key = key(layout, request);
         let mut head = Vec::new();
