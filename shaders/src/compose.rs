@@ -153,6 +153,7 @@ fn constant(name: &str) -> Option<String> {
             let octaves = f64::from(choose::FOOTPRINT_BLEND_OCTAVES);
             number((octaves.exp2() - 1.0) as f32)
         }
+        "MAX_ANISOTROPY" => number(choose::MAX_ANISOTROPY as f32),
         _ => return None,
     })
 }

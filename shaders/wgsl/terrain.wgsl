@@ -71,8 +71,8 @@ fn footprint_of(dx: vec2f, dy: vec2f, size_rad: f32) -> Footprint {
     } else if (yy > xx) {
         major = vec2f(0.0, 1.0);
     }
-    // A footprint cut by the horizon has no end: what is beyond a thousand pixels changes nothing.
-    let major_rad = clamp(sqrt(longest), 1.0, 1000.0) * size_rad;
+    // A footprint cut by the horizon has no end.
+    let major_rad = clamp(sqrt(longest), 1.0, {{MAX_ANISOTROPY}}) * size_rad;
     return Footprint(max(size_rad, major_rad / f32(MAX_TAPS)), major_rad, major);
 }
 

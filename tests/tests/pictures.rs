@@ -35,6 +35,7 @@ mod on_device {
             colour_window: quality.colour_window,
             colour_texel_px: 1.0,
             height_texel_px: 2.0,
+            max_taps: 4,
         });
         let mut uploads = Vec::new();
         for _ in 0..5000 {

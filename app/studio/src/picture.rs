@@ -78,5 +78,6 @@ pub(crate) fn view(
         colour_window: quality.colour_window,
         colour_texel_px: settings.texel_px,
         height_texel_px: settings.texel_px * HEIGHT_TEXEL_FACTOR,
+        max_taps: quality.max_taps,
     }
 }

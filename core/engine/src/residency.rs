@@ -1,8 +1,11 @@
 //! Which tiles each clip level holds: from finished tiles to uploads and valid rectangles.
 //!
-//! Invariant: a level's valid rectangle holds samples of one revision only, all of them uploaded.
-//! A window that moves, a tile that comes late and a tile whose content changed are the same case:
-//! some part of a tile's rectangle is not covered by the content with the right name yet.
+//! Invariant: where a converged picture reads (the plan's selected tiles), a level's valid rectangle
+//! holds samples of one revision only, all of them uploaded. A window that moves, a tile that comes
+//! late and a tile whose content changed are the same case: some part of a tile's rectangle is not
+//! covered by the content with the right name yet. Between the selected tiles a rectangle may span
+//! tiles that are stale: samples of an older revision that no visible fragment reads. So a revision
+//! is complete as soon as its selected tiles are.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,7 +14,7 @@ use relievo_graph::ContentId;
 use relievo_planet::clipmap::valid::{
     COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN, ValidRect, valid_rect,
 };
-use relievo_planet::clipmap::{LevelPlan, Window, choose};
+use relievo_planet::clipmap::{LevelPlan, TileSet, Window, choose};
 use relievo_planet::{LevelKey, MapPoint, SampleRect, TILE_SAMPLES, TileKey};
 use relievo_raster::{Sample, Tile};
 use relievo_tiles::TileState;
@@ -46,6 +49,8 @@ const NOTHING: ValidRect = ValidRect {
 /// A tile in a window's storage.
 struct Slot {
     id: ContentId,
+    /// Whether another content should be there by now.
+    stale: bool,
     /// What of the tile has been uploaded, counted from the tile's first sample.
     covered: SampleRect,
     /// Kept where the CPU asks for samples too: heights under the camera and the pointer.
@@ -84,12 +89,12 @@ impl Stack {
                 .remove(&plan.level.n)
                 .filter(|l| l.plan.window.size == plan.window.size);
             self.levels.push(match kept {
-                Some(level) if level.plan.level == plan.level => level.moved(*plan),
+                Some(level) if level.plan.level == plan.level => level.moved(plan.clone()),
                 Some(level) if !level.valid.rect.is_empty() && !ready(plan) => {
                     let moved = with_columns_of(level.plan.level, plan, focus);
                     level.moved(moved)
                 }
-                _ => Level::new(*plan),
+                _ => Level::new(plan.clone()),
             });
         }
     }
@@ -110,10 +115,11 @@ impl Stack {
     pub(crate) fn shows(&self, key: TileKey) -> bool {
         self.levels
             .iter()
-            .any(|l| l.plan.level == key.level && l.slots.contains_key(&key))
+            .any(|l| l.plan.level == key.level && l.slots.get(&key).is_some_and(|s| !s.stale))
     }
 
-    /// Brings windows up to date: drops what has another name now, uploads what `find` gives, at
+    /// Brings windows up to date: what has another name now is stale, or dropped where it may be
+    /// read; uploads what `find` gives, at
     /// most `budget` copies. Returns whether something is left that `find` had but the budget did
     /// not allow.
     pub(crate) fn update(
@@ -197,9 +203,12 @@ fn with_columns_of(level: LevelKey, plan: &LevelPlan, focus: MapPoint) -> LevelP
     wanted.max.x = to_tile(wanted.max.x as f64) + TILE_SAMPLES;
     let mut centre_in_sample = plan.centre_in_sample;
     centre_in_sample.x = carried(centre_in_sample.x);
+    let mut selected = TileSet::none_of(&window);
+    selected.insert(&wanted);
     LevelPlan {
         level,
         window,
+        selected,
         wanted,
         focus_in_sample,
         centre_in_sample,
@@ -220,19 +229,19 @@ impl Level {
 
     fn moved(mut self, plan: LevelPlan) -> Self {
         let before = self.plan.window;
-        self.plan = plan;
+        let window = plan.window;
         let around = plan.level.samples().x;
+        self.plan = plan;
         // A step over the antimeridian renames columns by a whole turn.
         let centre = |w: &Window| i64::midpoint(w.rect.min.x, w.rect.max.x);
-        let turns = (2 * (centre(&plan.window) - centre(&before)) + around).div_euclid(2 * around);
+        let turns = (2 * (centre(&window) - centre(&before)) + around).div_euclid(2 * around);
         let rename = glam::I64Vec2::new(turns * around, 0);
         for part in [&mut self.valid, &mut self.settled] {
             if !part.whole_circle {
-                part.rect = part.rect.shift(rename).intersection(&plan.window.rect);
+                part.rect = part.rect.shift(rename).intersection(&window.rect);
             }
         }
         self.touched = true;
-        let window = plan.window;
         self.slots.retain(|key, slot| {
             let Some(rect) = window.tile_rect(*key) else {
                 return false;
@@ -265,11 +274,14 @@ impl Level {
         for (key, rect) in self.plan.window.tiles() {
             let id = name(key);
             let needed = rect.intersection(&self.plan.window.rect).shift(-rect.min);
-            let covered = match self.slots.get(&key) {
-                Some(slot) if slot.id == id => slot.covered,
-                Some(_) => {
-                    self.slots.remove(&key);
-                    self.touched = true;
+            let covered = match self.slots.get_mut(&key) {
+                Some(slot) if slot.id == id => {
+                    slot.stale = false;
+                    slot.covered
+                }
+                Some(slot) => {
+                    self.touched |= !slot.stale;
+                    slot.stale = true;
                     SampleRect::default()
                 }
                 None => SampleRect::default(),
@@ -308,6 +320,7 @@ impl Level {
                 key,
                 Slot {
                     id,
+                    stale: false,
                     covered: needed,
                     tile,
                     failed,
@@ -351,9 +364,10 @@ impl Level {
     /// The largest rectangle that is uploaded.
     fn readable(&self) -> ValidRect {
         let resident = |key: TileKey| {
-            self.slots
-                .get(&key)
-                .is_some_and(|s| s.covered.contains_rect(&self.needed(key)))
+            self.slots.get(&key).is_some_and(|s| {
+                s.covered.contains_rect(&self.needed(key))
+                    && !(s.stale && self.plan.selects(key))
+            })
         };
         let mut best = valid_rect(&self.plan, resident);
         if best.whole_circle {

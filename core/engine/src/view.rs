@@ -15,4 +15,6 @@ pub struct View {
     pub colour_texel_px: f64,
     /// Smallest size of a height sample on the screen in pixels.
     pub height_texel_px: f64,
+    /// Most taps with which the front-end filters along a colour footprint, at least 1.
+    pub max_taps: u32,
 }

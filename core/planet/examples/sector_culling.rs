@@ -10,7 +10,7 @@ use relievo_planet::{Camera, Planet};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = RingMesh::new(512, 20)?;
     let (ring, disc) = (mesh.ring_indices(), mesh.disc_indices());
-    println!("view       rings  triangles     drawn  ratio  wanted  in windows  plan µs");
+    println!("view       rings  triangles     drawn  ratio  selected  wanted  in windows  plan µs");
     for (name, altitude_m, pitch_deg) in [
         ("ground", 752.0, -2.0),
         ("aircraft", 10_000.0, -30.0),
@@ -62,9 +62,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 / 48
                 + plan.disc_sectors.count_ones() as usize * disc.indices.len() / 48;
             let wanted: usize = plan.colours.iter().map(|l| l.wanted_tiles().len()).sum();
+            let selected: usize = plan.colours.iter().map(|l| l.selected.len()).sum();
             let held: usize = plan.colours.iter().map(|l| l.window.tiles().count()).sum();
             println!(
-                "{name:10} {rings:5} {all:10} {drawn:9} {:6.1}  {wanted:6}  {held:10}  {micros:7}  N = {size}",
+                "{name:10} {rings:5} {all:10} {drawn:9} {:6.1}  {selected:8}  {wanted:6}  {held:10}  {micros:7}  N = {size}",
                 all as f64 / drawn as f64
             );
         }

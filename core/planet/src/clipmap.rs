@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! PlanInput --Planner::plan--> Plan { focus, rings, sectors, heights, colours }
-//!                              each LevelPlan: window, wanted rectangle -> tile keys
+//!                              each LevelPlan: window, selected tiles, wanted rectangle
 //! resident tiles + LevelPlan --valid--> LevelView (uniforms) --choose--> level of a vertex, a fragment
 //! ```
 //!
@@ -17,6 +17,7 @@ pub mod plan;
 pub mod planner;
 pub mod rings;
 mod select;
+pub mod tile_set;
 pub mod valid;
 pub mod view;
 pub mod window;
@@ -27,5 +28,6 @@ pub use plan::{
 };
 pub use planner::Planner;
 pub use rings::{RingMesh, RingVertex};
+pub use tile_set::TileSet;
 pub use valid::{ValidRect, valid_rect};
 pub use window::{UploadPiece, Window};

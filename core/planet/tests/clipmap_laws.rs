@@ -379,6 +379,28 @@ proptest! {
         }
     }
 
+    /// Tiles that are wanted but not selected may hold anything: nothing that is seen reads them.
+    #[test]
+    fn a_converged_picture_reads_selected_tiles_only(
+        case in cases(),
+        points in prop::collection::vec(((-1.0..1.0_f64, -1.0..1.0_f64), 0.0..1.0_f64), 60),
+    ) {
+        let plan = case.plan();
+        let all = views(&plan.colours, COLOUR_FILTER_MARGIN, |_, _| true);
+        for ((x, y), part) in points {
+            let height = case.range.min_m + part * (case.range.max_m - case.range.min_m);
+            let Some((point, depth)) = case.visible_point(DVec2::new(x, y), height) else { continue };
+            let footprint = (depth * plan.pixel_rad / PLANET.radius_m) as f32;
+            let delta = delta_from(plan.focus, MapPoint::from_direction(point));
+            if let Some(choice) = colour_level_for(&all, footprint, delta) {
+                for i in [choice.fine, choice.coarse] {
+                    let level = &plan.colours[i];
+                    check_reads(level, &all[i], delta, 4.0, &|key| level.selects(key));
+                }
+            }
+        }
+    }
+
     #[test]
     fn wanted_height_tiles_are_all_that_visible_vertices_read(case in cases(), pick in 0..1000_usize) {
         let plan = case.plan();

@@ -100,14 +100,16 @@ fn height_level_for(stack: LevelStack, level: u32, rim: f32, delta: vec2f) -> Le
     return with_coarser(stack, fine, delta, own);
 }
 
-// `footprint_rad`: size of the fragment as an angle at the planet's centre, positive.
+// Levels are consecutive. `footprint_rad`: size of the fragment as an angle at the planet's centre, positive.
 fn colour_level_for(stack: LevelStack, footprint_rad: f32, delta: vec2f) -> LevelChoice {
+    if (stack.count == 0u) {
+        return LevelChoice(NO_LEVEL, NO_LEVEL, 0.0);
+    }
+    // Texels halve exactly from level to level, so the exponent of the ratio counts the levels.
+    let ratio = clip_levels[stack.first].texel_rad / footprint_rad;
     var by_footprint = 0u;
-    for (var i = stack.count; i > 0u; i -= 1u) {
-        if (clip_levels[stack.first + i - 1u].texel_rad >= footprint_rad) {
-            by_footprint = i - 1u;
-            break;
-        }
+    if (ratio >= 1.0) {
+        by_footprint = min((bitcast<u32>(ratio) >> 23u) - 127u, stack.count - 1u);
     }
     let fine = finest_readable(stack, by_footprint, delta);
     if (fine == NO_LEVEL) {

@@ -45,6 +45,10 @@ pub const UNBOUNDED: f32 = 1.0e9;
 /// Width, in octaves of the footprint, of the zone in which a colour level fades in (a factor √2).
 pub const FOOTPRINT_BLEND_OCTAVES: f32 = 0.5;
 
+/// Longest footprint, in widths of it, that is filtered along its whole length; longer ones, seen at
+/// less than a degree, count as this long.
+pub const MAX_ANISOTROPY: f64 = 64.0;
+
 /// Two levels to read and how to mix them: `(1 − coarse_weight) · fine + coarse_weight · coarse`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelChoice {
@@ -145,7 +149,21 @@ pub fn height_level_for(
     Some(with_coarser(levels, fine, delta_rad, own))
 }
 
-/// The colour (or normal) levels that a fragment reads.
+/// Index of the finest level whose texel is not smaller than a footprint; 0 if none is.
+///
+/// Texels halve exactly from level to level, so the exponent of the ratio counts the levels.
+fn by_footprint(levels: &[LevelView], footprint_rad: f32) -> usize {
+    let ratio = levels.first().map_or(0.0, |l| l.texel_rad) / footprint_rad;
+    if ratio >= 1.0 {
+        let octaves = (ratio.to_bits() >> 23) as usize - 127;
+        octaves.min(levels.len() - 1)
+    } else {
+        0
+    }
+}
+
+/// The colour (or normal) levels that a fragment reads. `levels` are consecutive: each texel is half
+/// the one before.
 ///
 /// - `footprint_rad`: the minor axis of the fragment's footprint as an angle at the planet's centre:
 ///   view depth × angle of a pixel / radius. Positive.
@@ -162,10 +180,7 @@ pub fn colour_level_for(
     footprint_rad: f32,
     delta_rad: Vec2,
 ) -> Option<LevelChoice> {
-    let by_footprint = levels
-        .iter()
-        .rposition(|l| l.texel_rad >= footprint_rad)
-        .unwrap_or(0);
+    let by_footprint = by_footprint(levels, footprint_rad);
     let fine = finest_readable(levels, by_footprint, delta_rad)?;
     let mut own = levels[fine].weight(levels[fine].offset_of(delta_rad));
     if fine == by_footprint {
@@ -235,6 +250,27 @@ mod tests {
             );
             before = now;
         }
+    }
+
+    #[test]
+    fn the_finest_level_that_is_coarse_enough_is_found_whatever_the_footprint() {
+        let levels: Vec<_> = (0..20)
+            .map(|n| level(4e-3 / (1 << n) as f32, 500.0))
+            .collect();
+        for exponent in -400..100 {
+            let footprint = libm::exp2f(exponent as f32 / 16.0);
+            for f in [footprint, footprint.next_up(), footprint.next_down()] {
+                let searched = levels.iter().rposition(|l| l.texel_rad >= f).unwrap_or(0);
+                assert_eq!(by_footprint(&levels, f), searched, "{f}");
+            }
+        }
+        for l in &levels {
+            assert_eq!(levels[by_footprint(&levels, l.texel_rad)], *l);
+        }
+        assert_eq!(by_footprint(&levels, f32::NAN), 0);
+        assert_eq!(by_footprint(&levels, f32::INFINITY), 0);
+        assert_eq!(by_footprint(&levels, 0.0), 19);
+        assert_eq!(by_footprint(&[], 1.0), 0);
     }
 
     #[test]

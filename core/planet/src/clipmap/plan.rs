@@ -4,6 +4,7 @@ use core::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3, I64Vec2};
 
+use super::tile_set::TileSet;
 use super::window::Window;
 use crate::{Camera, LevelKey, MapPoint, Planet, SampleRect, TILE_SAMPLES, TileKey};
 
@@ -45,6 +46,9 @@ pub struct Quality {
     pub height_texel_px: f64,
     /// Smallest size of a colour sample on the screen, pixels.
     pub colour_texel_px: f64,
+    /// Most taps along the major axis of a colour footprint, at least 1. A footprint longer than
+    /// that many times its width selects coarser levels.
+    pub max_taps: u32,
     /// Finest level n of heights that the data (with synthesised detail) is worth, at most 24.
     pub finest_height_level: u8,
     /// Finest level n of colours that the data is worth, at most 24.
@@ -59,6 +63,7 @@ impl Default for Quality {
             colour_samples: 1024,
             height_texel_px: 2.0,
             colour_texel_px: 1.0,
+            max_taps: 8,
             finest_height_level: 24,
             finest_colour_level: 24,
         }
@@ -85,15 +90,17 @@ pub struct PlanInput<'a> {
 }
 
 /// One clip level of a plan.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LevelPlan {
     /// The level.
     pub level: LevelKey,
     /// Where its window lies.
     pub window: Window,
-    /// The samples that the converged picture can read: aligned to tiles, in the window's unwrapped
-    /// indices. Every tile in it touches the window, but tiles at the window's sides stick out of
-    /// it. Empty when the picture reads nothing of this level.
+    /// The tiles that the converged picture can read.
+    pub selected: TileSet,
+    /// The box around them: aligned to tiles, in the window's unwrapped indices. Every tile in it
+    /// touches the window, but tiles at the window's sides stick out of it. Empty when the picture
+    /// reads nothing of this level.
     pub wanted: SampleRect,
     /// Continuous position of the focus in the window's unwrapped indices.
     pub focus_in_sample: DVec2,
@@ -103,6 +110,12 @@ pub struct LevelPlan {
 }
 
 impl LevelPlan {
+    /// Whether the converged picture can read a tile of this level.
+    pub fn selects(&self, tile: TileKey) -> bool {
+        let rect = self.window.tile_rect(tile);
+        rect.is_some_and(|rect| self.selected.contains(&rect))
+    }
+
     /// The tiles of `wanted`, nearest to the view's centre first.
     pub fn wanted_tiles(&self) -> Vec<TileKey> {
         self.ordered(&self.wanted, &SampleRect::default())

@@ -9,6 +9,7 @@ use super::plan::{ClipKind, LevelPlan, Plan, PlanInput, RingSectors};
 use super::rings::{KAPPA, NARROWEST_RING, RIM_BEGINS, RingMesh};
 use super::select::{Scene, align_to_tiles, drawn, view_centre};
 use super::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN};
+use super::tile_set::TileSet;
 use super::view::{FocusFrame, View};
 use super::window::Window;
 use crate::tile::MAX_EXPONENT;
@@ -70,6 +71,7 @@ impl Planner {
             pixel_rad,
             horizon_rad: horizon,
             clearance_rad: clearance_m / planet.radius_m,
+            max_taps: quality.max_taps.max(1),
         };
 
         let before = core::mem::take(&mut self.windows);
@@ -94,6 +96,7 @@ impl Planner {
                     LevelPlan {
                         level: window.level,
                         window,
+                        selected: TileSet::none_of(&window),
                         wanted: SampleRect::default(),
                         focus_in_sample: window.sample_of(focus),
                         centre_in_sample: window.sample_of(centre),

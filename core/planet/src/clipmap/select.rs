@@ -1,14 +1,14 @@
 //! Which tiles of each level the converged picture can read.
 //!
-//! The visible ground is cut into cells of a polar grid around the nadir (azimuths × half octaves of
-//! distance). Each cell that the frustum and the horizon leave over says which depths it shows, hence
-//! which levels its fragments select, and adds its bounding box to those levels. Everything is
-//! conservative, so no visible fragment selects a tile outside; cells are small, so little is wanted
-//! in vain.
+//! The visible ground is cut into cells of a polar grid around the nadir. Each cell that the frustum
+//! and the horizon leave over says which depths it shows, hence which levels its fragments select,
+//! and adds its bounding box to those levels; one that is large beside the samples it selects is cut
+//! in four first. Everything is conservative, so no visible fragment selects a tile outside; cells
+//! are small, so little is wanted in vain.
 
-use core::f64::consts::{PI, SQRT_2};
+use core::f64::consts::{PI, TAU};
 
-use super::choose::FOOTPRINT_BLEND_OCTAVES;
+use super::choose::{FOOTPRINT_BLEND_OCTAVES, MAX_ANISOTROPY};
 use super::cull::{Culler, Patch};
 use super::levels::{longitude_half_width, texel_rad};
 use super::plan::{HeightRange, LevelPlan, TerrainBounds};
@@ -21,7 +21,38 @@ use crate::{MapPoint, SampleRect, TILE_SAMPLES};
 const CELL_AZIMUTHS: u32 = 24;
 
 /// Ratio of a cell's outer to its inner distance.
-const CELL_RATIO: f64 = SQRT_2;
+const CELL_RATIO: f64 = 1.5;
+
+/// Radius in samples of the finest level it selects above which a cell is cut in four: about a
+/// quarter of a tile.
+const CELL_RADIUS_SAMPLES: f64 = 96.0;
+
+/// How often a cell may be cut.
+const CELL_SPLITS: u32 = 2;
+
+/// A sector of an annulus around the nadir.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    radii_rad: (f64, f64),
+    azimuths_rad: (f64, f64),
+}
+
+impl Cell {
+    fn quarters(self) -> [Self; 4] {
+        let ((inner, outer), (from, to)) = (self.radii_rad, self.azimuths_rad);
+        let (radius, azimuth) = (0.5 * (inner + outer), 0.5 * (from + to));
+        [
+            ((inner, radius), (from, azimuth)),
+            ((inner, radius), (azimuth, to)),
+            ((radius, outer), (from, azimuth)),
+            ((radius, outer), (azimuth, to)),
+        ]
+        .map(|(radii_rad, azimuths_rad)| Self {
+            radii_rad,
+            azimuths_rad,
+        })
+    }
+}
 
 /// Heights as drawn: a range with exaggeration applied.
 pub(super) fn drawn(range: HeightRange, exaggeration: f64) -> HeightRange {
@@ -53,9 +84,10 @@ impl MapBox {
         }
     }
 
-    /// The samples of a level's window inside the box and `margin` samples around it; empty when
-    /// none is. The second value tells whether the window holds the box with its margin.
-    fn in_window(&self, plan: &LevelPlan, margin: f64) -> (SampleRect, bool) {
+    /// The samples of a level's window inside the box and `margin` samples around it, in up to three
+    /// pieces of which some may be empty. The second value tells whether the window holds the box
+    /// with its margin.
+    fn in_window(&self, plan: &LevelPlan, margin: f64) -> ([SampleRect; 3], bool) {
         let step = plan.level.step_rad();
         let window = plan.window.rect;
         let around = plan.level.samples();
@@ -78,12 +110,11 @@ impl MapBox {
                 libm::ceil(centre.x + half) as i64,
             )
         };
-        let mut covered = SampleRect::default();
         let boxed = SampleRect::new((left, top).into(), (right, bottom).into());
-        for turn in [-1, 0, 1] {
+        let covered = [-1, 0, 1].map(|turn| {
             let copy = boxed.shift((turn * around.x, 0).into());
-            covered = covered.union(&copy.intersection(&window));
-        }
+            copy.intersection(&window)
+        });
         let columns_held = plan.window.is_whole_circle()
             || (!whole && left >= window.min.x && right <= window.max.x);
         let held = columns_held && top >= window.min.y && bottom <= window.max.y;
@@ -94,8 +125,11 @@ impl MapBox {
 /// Adds a box to a level's wanted samples; tells whether the window holds all of it.
 fn want(plan: &mut LevelPlan, piece: &MapBox, filter_margin: f64) -> bool {
     // A reader in the outer band would blend into the coarser level, were its neighbours missing.
-    let (rect, held) = piece.in_window(plan, filter_margin + EDGE_BAND + 1.0);
-    plan.wanted = plan.wanted.union(&rect);
+    let (rects, held) = piece.in_window(plan, filter_margin + EDGE_BAND + 1.0);
+    for rect in &rects {
+        plan.wanted = plan.wanted.union(rect);
+        plan.selected.insert(rect);
+    }
     held
 }
 
@@ -133,6 +167,8 @@ pub(super) struct Scene<'a> {
     pub(super) horizon_rad: f64,
     /// Height of the eye above the terrain as an angle.
     pub(super) clearance_rad: f64,
+    /// Most taps that a fragment spreads along its footprint.
+    pub(super) max_taps: u32,
 }
 
 impl Scene<'_> {
@@ -152,14 +188,16 @@ impl Scene<'_> {
         let frame = FocusFrame::at(nadir);
         let mut inner = 0.0;
         let mut outer = (0.5 * self.clearance_rad).min(self.horizon_rad / 16.0);
-        // 128 half octaves reach from atoms to planets: a bound that only a view that is no number needs.
+        // 128 octaves reach from atoms to planets: a bound that only a view that is no number needs.
         for _ in 0..128 {
-            if inner == 0.0 {
-                self.select_cell(&Patch::new(frame.up, outer), levels, margin);
-            } else {
-                for patch in Patch::sectors(&frame, (inner, outer), CELL_AZIMUTHS) {
-                    self.select_cell(&patch, levels, margin);
-                }
+            let patches = Patch::sectors(&frame, (inner, outer), CELL_AZIMUTHS);
+            for (k, patch) in patches.enumerate() {
+                let step = TAU / f64::from(CELL_AZIMUTHS);
+                let cell = Cell {
+                    radii_rad: (inner, outer),
+                    azimuths_rad: (k as f64 * step, (k + 1) as f64 * step),
+                };
+                self.select_cell(&frame, cell, &patch, CELL_SPLITS, levels, margin);
             }
             if outer >= self.horizon_rad || outer >= PI {
                 return;
@@ -169,8 +207,17 @@ impl Scene<'_> {
         }
     }
 
-    /// Adds one cell to the levels that its fragments select.
-    fn select_cell(&self, patch: &Patch, levels: &mut [LevelPlan], margin: f64) {
+    /// Adds one cell to the levels that its fragments select; a cell that is large beside their
+    /// samples is cut in four first, at most `splits` times.
+    fn select_cell(
+        &self,
+        frame: &FocusFrame,
+        cell: Cell,
+        patch: &Patch,
+        splits: u32,
+        levels: &mut [LevelPlan],
+        margin: f64,
+    ) {
         let Some(heights) = self.seen(patch) else {
             return;
         };
@@ -181,8 +228,17 @@ impl Scene<'_> {
         let footprint = |depth_m: f64| depth_m.max(0.0) * self.pixel_rad / self.radius_m;
         // Rounding of f32 in the shader may shift a selection by this much.
         let finest = by_footprint(levels, footprint(near_m) * (1.0 - 1e-5));
+        if splits > 0 && patch.radius_rad > CELL_RADIUS_SAMPLES * texel_rad(levels[finest].level.n)
+        {
+            for part in cell.quarters() {
+                let patch = Patch::sector(frame, part.radii_rad, part.azimuths_rad);
+                self.select_cell(frame, part, &patch, splits - 1, levels, margin);
+            }
+            return;
+        }
         let blend = libm::exp2(f64::from(FOOTPRINT_BLEND_OCTAVES));
-        let coarsest = by_footprint(levels, footprint(far_m) * blend * (1.0 + 1e-5));
+        let longest = (MAX_ANISOTROPY / f64::from(self.max_taps)).max(1.0);
+        let coarsest = by_footprint(levels, footprint(far_m) * blend * longest * (1.0 + 1e-5));
         let piece = MapBox::of(patch);
         for i in (0..=finest).rev() {
             let held = want(&mut levels[i], &piece, margin);

@@ -37,7 +37,7 @@ pub struct ValidRect {
 /// The largest rectangle of resident tiles inside a level's window.
 ///
 /// `resident` says whether a tile's samples are in the window's texture. Among all rectangles the
-/// one that holds most of the wanted tiles wins, then the one with most samples of the window.
+/// one that holds most of the selected tiles wins, then the one with most samples of the window.
 /// At most 17 × 17 tiles are looked at.
 pub fn valid_rect(plan: &LevelPlan, resident: impl Fn(TileKey) -> bool) -> ValidRect {
     let window = plan.window.rect;
@@ -59,10 +59,7 @@ pub fn valid_rect(plan: &LevelPlan, resident: impl Fn(TileKey) -> bool) -> Valid
         .tiles_touching(&seen)
         .map(|(key, rect)| TileState {
             resident: resident(key),
-            wanted: plan
-                .window
-                .tile_rect(key)
-                .is_some_and(|r| r.overlaps(&plan.wanted)),
+            selected: plan.selects(key),
             area: rect.intersection(&seen).area(),
         })
         .collect();
@@ -93,7 +90,7 @@ pub fn valid_rect(plan: &LevelPlan, resident: impl Fn(TileKey) -> bool) -> Valid
 /// What counts of a tile.
 struct TileState {
     resident: bool,
-    wanted: bool,
+    selected: bool,
     area: i64,
 }
 
@@ -108,18 +105,18 @@ fn best_rectangle(tiles: &[TileState], columns: usize) -> Option<SampleRect> {
     for top in 0..rows {
         let mut open = vec![true; columns];
         // Sums of each column from `top` down.
-        let mut wanted = vec![0_i64; columns];
+        let mut selected = vec![0_i64; columns];
         let mut area = vec![0_i64; columns];
         for bottom in top..rows {
             for (c, tile) in tiles[bottom * columns..][..columns].iter().enumerate() {
                 open[c] &= tile.resident;
-                wanted[c] += i64::from(tile.wanted);
+                selected[c] += i64::from(tile.selected);
                 area[c] += tile.area;
             }
             let mut from = 0;
             while from < columns {
                 let to = from + open[from..].iter().take_while(|&&o| o).count();
-                let score = (wanted[from..to].iter().sum(), area[from..to].iter().sum());
+                let score = (selected[from..to].iter().sum(), area[from..to].iter().sum());
                 if to > from && score > best_score {
                     best_score = score;
                     best = Some(SampleRect::new(
@@ -208,7 +205,7 @@ impl LevelView {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clipmap::Window;
+    use crate::clipmap::{TileSet, Window};
     use crate::{LevelKey, MapPoint};
 
     fn plan(level: LevelKey, focus: MapPoint, size: u32) -> LevelPlan {
@@ -217,6 +214,7 @@ mod tests {
         LevelPlan {
             level,
             window,
+            selected: TileSet::none_of(&window),
             wanted: SampleRect::default(),
             focus_in_sample,
             centre_in_sample: focus_in_sample,
@@ -254,14 +252,14 @@ mod tests {
     }
 
     #[test]
-    fn wanted_tiles_count_more_than_size() {
+    fn selected_tiles_count_more_than_size() {
         let mut p = plan(
             LevelKey::new(8, 7),
             MapPoint::from_degrees(10.0, 20.0),
             1024,
         );
         let (wanted, rect) = p.window.tiles().next().unwrap();
-        p.wanted = rect;
+        p.selected.insert(&rect);
         // A full column through the wanted tile's neighbour is missing: the corner stands alone.
         let east = wanted.neighbour(1, 0);
         let v = valid_rect(&p, |k| k.column != east.column);
