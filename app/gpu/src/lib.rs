@@ -33,3 +33,4 @@ pub use readback::{Picture, ReadError};
 pub use renderer::{PickedPoint, RenderError, Renderer};
 pub use stats::FrameStats;
 pub use terrain::TerrainKey;
+pub use timing::FrameTime;

@@ -211,7 +211,7 @@ impl Renderer {
             uploaded_bytes,
             pipeline: key,
             gpu_memory: self.gpu_memory(),
-            gpu_ms: self.timer.as_ref().and_then(FrameTimer::latest_ms),
+            measured: self.timer.as_ref().and_then(FrameTimer::latest),
         };
         if same_picture {
             return Ok(stats);
@@ -280,8 +280,10 @@ impl Renderer {
             .draw(device, &mut pass, key, &self.terrain_group, mesh, selection);
         self.sky.draw(&mut pass, key.haze);
         drop(pass);
-        if let Some(timer) = timer.as_ref().filter(|_| queries.is_some()) {
-            timer.record(encoder);
+        let measures = queries.is_some();
+        if let Some(timer) = timer.as_mut().filter(|_| measures) {
+            let [width, height] = self.targets.size_px().map(u64::from);
+            timer.record(encoder, width * height);
         }
     }
 

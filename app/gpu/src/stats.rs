@@ -1,6 +1,7 @@
 //! What a frame cost.
 
 use crate::terrain::TerrainKey;
+use crate::timing::FrameTime;
 
 /// Figures of one drawn frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +24,7 @@ pub struct FrameStats {
     pub pipeline: TerrainKey,
     /// Memory of textures, mesh and targets on the device, bytes.
     pub gpu_memory: u64,
-    /// GPU time of the latest frame that has been measured, milliseconds; a frame or two old.
-    /// `None` where the device has no timestamps.
-    pub gpu_ms: Option<f64>,
+    /// The latest frame that has been measured on the device; a frame or two old. `None` where the
+    /// device has no timestamps.
+    pub measured: Option<FrameTime>,
 }

@@ -20,7 +20,18 @@ pub struct FrameTimer {
     readable: wgpu::Buffer,
     period_ns: f64,
     state: Arc<AtomicU8>,
-    latest_ms: Option<f64>,
+    /// Pixels of the frame that is being measured.
+    pixels: u64,
+    latest: Option<FrameTime>,
+}
+
+/// What a frame took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameTime {
+    /// Milliseconds on the device.
+    pub gpu_ms: f64,
+    /// Pixels of its picture.
+    pub pixels: u64,
 }
 
 impl FrameTimer {
@@ -53,7 +64,8 @@ impl FrameTimer {
             ),
             period_ns: f64::from(queue.get_timestamp_period()),
             state: Arc::new(AtomicU8::new(IDLE)),
-            latest_ms: None,
+            pixels: 0,
+            latest: None,
         })
     }
 
@@ -75,7 +87,10 @@ impl FrameTimer {
                 if let Ok(bytes) = self.readable.get_mapped_range(..) {
                     let ticks: &[u64] = bytemuck::cast_slice(&bytes);
                     let elapsed = ticks[1].saturating_sub(ticks[0]);
-                    self.latest_ms = Some(elapsed as f64 * self.period_ns / 1e6);
+                    self.latest = Some(FrameTime {
+                        gpu_ms: elapsed as f64 * self.period_ns / 1e6,
+                        pixels: self.pixels,
+                    });
                 }
                 self.readable.unmap();
                 self.state.store(IDLE, Ordering::Release);
@@ -89,15 +104,16 @@ impl FrameTimer {
         (self.state.load(Ordering::Acquire) == IDLE).then_some(&self.queries)
     }
 
-    /// Ends the measurement of a frame whose passes wrote [`Self::queries`].
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+    /// Ends the measurement of a frame of so many pixels whose passes wrote [`Self::queries`].
+    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, pixels: u64) {
+        self.pixels = pixels;
         encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, 16);
         self.state.store(RECORDED, Ordering::Release);
     }
 
-    /// Milliseconds that the latest measured frame took.
-    pub fn latest_ms(&self) -> Option<f64> {
-        self.latest_ms
+    /// The latest measured frame.
+    pub fn latest(&self) -> Option<FrameTime> {
+        self.latest
     }
 }

@@ -17,6 +17,7 @@ mod inspector;
 mod layers;
 mod messages;
 mod navigation;
+mod pace;
 mod probe;
 mod scene;
 mod stage;

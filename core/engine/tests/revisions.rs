@@ -2,9 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use relievo_engine::planet::Camera;
+use relievo_engine::planet::clipmap::LevelPlan;
 use relievo_engine::project::{
     Adjust, Blend, Edit, Layer, LayerId, LayerKind, Noise, NoiseLayer, NoiseMode, Project, Tint,
     TintInterpolation, TintLayer, TintStop,
@@ -137,6 +139,41 @@ fn a_slider_makes_again_only_what_depends_on_its_layer() {
         ["overlay"],
         "no height, no normal, no noise"
     );
+}
+
+#[test]
+fn a_revision_waits_for_the_tiles_that_the_picture_reads_and_for_no_others() {
+    let mut engine = engine(2);
+    let wide = View {
+        colour_window: 1024,
+        viewport_px: [640, 240],
+        ..view(10.0)
+    };
+    engine.set_view(wide);
+    let frames = converge(&mut engine);
+    let before = frames.last().unwrap().revision;
+    let plan = Arc::clone(&frames.last().unwrap().plan);
+    log(&mut engine);
+    adjust(&mut engine, "above", 1.3);
+    while engine.drain(0.016).unwrap().revision == before {
+        engine.wait(Duration::from_millis(1));
+    }
+    // What was started after the publication is not in question.
+    let published: std::collections::BTreeSet<_> =
+        engine.take_log().into_iter().map(|e| e.key).collect();
+    let selected: std::collections::BTreeSet<_> = plan
+        .colours
+        .iter()
+        .flat_map(LevelPlan::selected_tiles)
+        .collect();
+    let wanted: usize = plan.colours.iter().map(|l| l.wanted_tiles().len()).sum();
+    assert!(published.is_superset(&selected));
+    assert!(selected.len() < wanted, "the box holds more than the wedge");
+    let others = published.difference(&selected).count();
+    assert!(others <= 2, "{others} tiles that nothing waits for");
+    converge(&mut engine);
+    let rest = log(&mut engine).len() + published.len();
+    assert!(rest >= wanted, "the others follow");
 }
 
 #[test]

@@ -92,7 +92,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
             converge_ms: ms(drawn - ready),
             write_ms: ms(drawn.elapsed()),
             tiles_busy_ms: engine.stats().busy_ns as f64 / 1e6,
-            gpu_frame_ms: still.drawn.gpu_ms,
+            gpu_frame_ms: still.drawn.measured.map(|m| m.gpu_ms),
         };
         Stats::new(&engine, &gpu, &quality, &still, timings).write(path)?;
     }

@@ -21,6 +21,7 @@ use super::inbox::{Inbox, Waker};
 use super::inspector::Inspector;
 use super::messages::{self, Log, Weight};
 use super::navigation::Navigation;
+use super::pace::Pace;
 use super::probe::Probe;
 use super::stage::Stage;
 use super::status::{self, Notation, Status};
@@ -86,6 +87,9 @@ pub struct Studio {
     notation: Notation,
     pub(super) log: Log,
     pub(super) dragging: Dragging,
+    pub(super) pace: Pace,
+    /// The camera of the picture that is shown.
+    pub(super) drawn_camera: Option<Camera>,
     pub(super) frame_revision: u64,
     /// What happens once a save under a new name has succeeded.
     pub(super) after_save: Option<Then>,
@@ -126,6 +130,8 @@ impl Studio {
             notation: Notation::default(),
             log: Log::default(),
             dragging: Dragging::No,
+            pace: Pace::default(),
+            drawn_camera: None,
             frame_revision: 0,
             after_save: None,
             closing: false,

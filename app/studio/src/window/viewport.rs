@@ -14,9 +14,10 @@ use relievo_gpu::{AdapterClass, RenderError};
 
 use super::messages::Weight;
 use super::navigation::Hit;
+use super::pace::REST_S as PICTURE_REST_S;
 use super::probe::Spot;
 use super::status::Pointed;
-use super::studio::Studio;
+use super::studio::{Dragging, Studio};
 use super::theme;
 use crate::picture;
 
@@ -105,8 +106,8 @@ impl Studio {
 
     fn draw(&mut self, ui: &Ui, rect: Rect, dt_s: f32) {
         let scale = ui.ctx().pixels_per_point();
-        let viewport_px =
-            [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
+        let full_px = [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
+        let viewport_px = self.picture_size_px(ui, full_px);
         let settings = &self.document.project().quality;
         let quality = match &self.stage {
             Some(stage) => stage.quality(),
@@ -132,7 +133,11 @@ impl Studio {
         match &self.stage {
             Some(stage) => {
                 ui.painter().add(stage.shape(rect));
-                self.status.gpu_ms = stage.stats().and_then(|s| s.gpu_ms);
+                let measured = stage.stats().and_then(|s| s.measured);
+                self.status.gpu_ms = measured.map(|m| m.gpu_ms);
+                if let Some(measured) = measured {
+                    self.pace.measured(measured.gpu_ms, measured.pixels as f64);
+                }
                 self.status.triangles = stage.stats().map_or(0, |s| s.triangles);
             }
             None => {
@@ -146,6 +151,20 @@ impl Studio {
             // Tiles wake the window when they are there; this is for what does not.
             ui.ctx().request_repaint_after(Duration::from_millis(100));
         }
+    }
+
+    /// Size of the picture, which may be coarser than the view while something moves.
+    fn picture_size_px(&mut self, ui: &Ui, full_px: [u32; 2]) -> [u32; 2] {
+        let camera = *self.navigation.camera();
+        let moving = self.dragging == Dragging::Yes
+            || self.navigation.is_moving()
+            || self.drawn_camera.replace(camera) != Some(camera);
+        let size_px = self.pace.size_px(full_px, ui.input(|i| i.time), moving);
+        if self.pace.is_reduced() {
+            let rest = Duration::from_secs_f64(PICTURE_REST_S);
+            ui.ctx().request_repaint_after(rest);
+        }
+        size_px
     }
 
     /// What the status bar says of the place under the pointer.

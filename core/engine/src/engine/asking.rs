@@ -68,9 +68,9 @@ impl Engine {
         }
     }
 
-    /// Asks the scheduler for what is missing: visible tiles first, then, unless it is a still,
-    /// what will be visible along the camera's path. The rest of the windows is not asked for: see
-    /// `docs/reports/scheduling.md`.
+    /// Asks the scheduler for what is missing: for a revision that is being made what it will be
+    /// published with, else all wanted tiles, then, unless it is a still, what will be visible along
+    /// the camera's path. The rest of the windows is not asked for: see `docs/reports/scheduling.md`.
     pub(super) fn ask(&mut self, prefetch: bool) {
         if !std::mem::take(&mut self.dirty) {
             return;
@@ -80,7 +80,12 @@ impl Engine {
             return;
         };
         let mut wants: Vec<Want> = Vec::new();
-        self.missing(&scene, plan.wanted_tiles(), &mut wants);
+        let tiles = if self.making.is_some() {
+            plan.selected_tiles()
+        } else {
+            plan.wanted_tiles()
+        };
+        self.missing(&scene, tiles, &mut wants);
         self.pending = wants
             .iter()
             .filter(|w| !self.arrived.contains_key(&w.id))

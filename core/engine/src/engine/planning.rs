@@ -34,6 +34,7 @@ impl Engine {
                 colour_samples: view.colour_window,
                 height_texel_px: view.height_texel_px,
                 colour_texel_px: view.colour_texel_px,
+                max_taps: view.max_taps,
                 finest_height_level: self.finest.0,
                 finest_colour_level: self.finest.1,
             },

@@ -76,14 +76,14 @@ impl Engine {
         })
     }
 
-    /// Names of all visible tiles under a revision.
+    /// Names under a revision of all tiles that the converged picture reads.
     fn visible<'a>(
         &'a self,
         scene: &'a Scene,
     ) -> impl Iterator<Item = (ClipKind, TileKey, ContentId)> + 'a {
         self.plan
             .iter()
-            .flat_map(|p| p.wanted_tiles())
+            .flat_map(|p| p.selected_tiles())
             .flat_map(move |(kind, key)| named(scene, kind, key))
     }
 

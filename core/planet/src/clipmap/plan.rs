@@ -116,9 +116,19 @@ impl LevelPlan {
         rect.is_some_and(|rect| self.selected.contains(&rect))
     }
 
-    /// The tiles of `wanted`, nearest to the view's centre first.
+    /// The tiles of `selected`, nearest to the view's centre first.
+    pub fn selected_tiles(&self) -> Vec<TileKey> {
+        let mut tiles = self.wanted_tiles();
+        tiles.retain(|tile| self.selects(*tile));
+        tiles
+    }
+
+    /// The tiles of `wanted`: those of `selected` before the others, nearest to the view's centre
+    /// first.
     pub fn wanted_tiles(&self) -> Vec<TileKey> {
-        self.ordered(&self.wanted, &SampleRect::default())
+        let mut tiles = self.ordered(&self.wanted, &SampleRect::default());
+        tiles.sort_by_key(|tile| !self.selects(*tile));
+        tiles
     }
 
     /// The tiles of the window that are not wanted, nearest to the view's centre first: prefetch.
@@ -197,6 +207,12 @@ impl Plan {
     pub fn height_level_of_ring(&self, ring: u8) -> usize {
         // Level n0 has as many rows as the window; ring 1 and the wider ones read it.
         usize::from(ring.saturating_sub(1)).min(self.heights.len().saturating_sub(1))
+    }
+
+    /// All tiles that the converged picture can read, in the order in which they are to be made:
+    /// coarse before fine, heights before colours, near the view's centre first.
+    pub fn selected_tiles(&self) -> Vec<(ClipKind, TileKey)> {
+        self.in_order(LevelPlan::selected_tiles)
     }
 
     /// All wanted tiles in the order in which they are to be made: coarse before fine, heights
