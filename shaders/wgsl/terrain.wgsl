@@ -14,6 +14,10 @@
 override HAS_COLOUR: bool = true;
 override HAS_NORMALS: bool = true;
 override HAS_HAZE: bool = true;
+// Whether normals have the windows of the colours, so that one choice of levels serves both.
+override SHARED_LEVELS: bool = false;
+// Whether two levels are read and mixed; else one of them is read, by chance in proportion.
+override BLENDS_LEVELS: bool = true;
 // Most taps along the major axis of a footprint.
 override MAX_TAPS: u32 = 8u;
 
@@ -33,18 +37,51 @@ const GROUND_AIR: f32 = 0.45;
 struct Varyings {
     @builtin(position) position: vec4f,
     @location(0) vertex: vec3f,
-    @location(1) from_eye_m: vec3f,
+    @location(1) depth_m: f32,
     @location(2) height_m: f32,
+    // The air between the eye and the ground: what it lets through, and the light it adds.
+    @location(3) transmitted: vec3f,
+    @location(4) scattered: vec3f,
+}
+
+// Air between the eye and a place `height_m` above the sphere, in columns. `towards_eye`: unit
+// vector from the place.
+fn air_between(height_m: f32, up: vec3f, towards_eye: vec3f) -> f32 {
+    let up_here = dot(up, towards_eye);
+    let up_at_eye = dot(frame.eye_up_in_focus, towards_eye);
+    var air = 0.0;
+    if (up_at_eye < 0.0) {
+        // The place is higher: count from the eye, where the air is denser.
+        air = air_to_space(frame.altitude_m, -up_at_eye) - air_to_space(height_m, -up_here);
+    } else {
+        air = air_to_space(height_m, up_here) - air_to_space(frame.altitude_m, up_at_eye);
+    }
+    return max(air, 0.0);
 }
 
 @vertex
 fn terrain_vertex(@location(0) displaced: vec4f, @location(1) vertex: vec4f) -> Varyings {
-    return Varyings(
+    var out = Varyings(
         frame.clip_from_eye * vec4f(displaced.xyz, 1.0),
         vertex.xyz,
-        displaced.xyz,
+        dot(displaced.xyz, frame.ray_forward),
         displaced.w,
+        vec3f(1.0),
+        vec3f(0.0),
     );
+    if (HAS_HAZE) {
+        // Air changes little over a triangle, and its formulas are dear.
+        let towards_eye = -normalize(displaced.xyz);
+        let up = normalize(vec3f(vertex.xy, 1.0 - vertex.z));
+        let air = GROUND_AIR * air_between(displaced.w, up, towards_eye);
+        out.transmitted = transmitted(air);
+        out.scattered = scattered(
+            air,
+            dot(up, frame.sun_in_focus),
+            -dot(towards_eye, frame.sun_in_focus),
+        );
+    }
+    return out;
 }
 
 // A fragment's footprint on the ground.
@@ -76,48 +113,63 @@ fn footprint_of(dx: vec2f, dy: vec2f, size_rad: f32) -> Footprint {
     return Footprint(max(size_rad, major_rad / f32(MAX_TAPS)), major_rad, major);
 }
 
-// Mean of a level's texels along the footprint's major axis.
-fn filtered(source: texture_2d_array<f32>, level: u32, delta: vec2f, axis: vec2f, length_rad: f32) -> vec4f {
+// What the ground's textures say.
+struct Ground {
+    colour: vec4f,
+    east_north: vec2f, // of the unit normal
+}
+
+// Means of a level's texels along the footprint's major axis.
+fn filtered(level: u32, delta: vec2f, axis: vec2f, length_rad: f32, colour: bool, normal: bool) -> Ground {
     let per_rad = clip_levels[level].samples_per_rad;
     let centre = delta * per_rad;
     // Taps spread over the part of the axis that a single bilinear tap does not cover.
     let spread_rad = max(length_rad - clip_levels[level].texel_rad, 0.0);
     let taps = clamp(ceil(length_rad / clip_levels[level].texel_rad - 0.25), 1.0, f32(MAX_TAPS));
     let layer = clip_levels[level].layer;
-    var sum = vec4f(0.0);
+    var sum = Ground(vec4f(0.0), vec2f(0.0));
     for (var k = 0.5; k < taps; k += 1.0) {
         let along = (k / taps - 0.5) * spread_rad * step(1.5, taps);
         let offset = clamp(centre + axis * along * per_rad, clip_levels[level].valid_min, clip_levels[level].valid_max);
-        sum += textureSampleLevel(source, wrapping, storage_of(level, offset) / frame.colour_window, layer, 0.0);
+        let place = storage_of(level, offset) / frame.colour_window;
+        if (colour) {
+            sum.colour += textureSampleLevel(colours, wrapping, place, layer, 0.0);
+        }
+        if (normal) {
+            sum.east_north += textureSampleLevel(normals, wrapping, place, layer, 0.0).xy;
+        }
     }
-    return sum / taps;
+    return Ground(sum.colour / taps, sum.east_north / taps);
 }
 
-// Both levels of a choice, mixed.
-fn mixed(source: texture_2d_array<f32>, first: u32, choice: LevelChoice, delta: vec2f, axis: vec2f, length_rad: f32) -> vec4f {
-    var value = vec4f(0.0);
+// The levels of a choice, mixed. `chance`: 0 to 1, even over neighbouring pixels.
+fn mixed(
+    first: u32,
+    choice: LevelChoice,
+    delta: vec2f,
+    footprint: Footprint,
+    axis: vec2f,
+    chance: f32,
+    colour: bool,
+    normal: bool,
+) -> Ground {
+    let length_rad = footprint.major_rad;
+    if (!BLENDS_LEVELS) {
+        let level = select(choice.fine, choice.coarse, chance < choice.coarse_weight);
+        return filtered(first + level, delta, axis, length_rad, colour, normal);
+    }
+    var value = Ground(vec4f(0.0), vec2f(0.0));
     if (choice.coarse_weight < 1.0) {
-        value = (1.0 - choice.coarse_weight) * filtered(source, first + choice.fine, delta, axis, length_rad);
+        let fine = filtered(first + choice.fine, delta, axis, length_rad, colour, normal);
+        let weight = 1.0 - choice.coarse_weight;
+        value = Ground(weight * fine.colour, weight * fine.east_north);
     }
     if (choice.coarse_weight > 0.0) {
-        value += choice.coarse_weight * filtered(source, first + choice.coarse, delta, axis, length_rad);
+        let coarse = filtered(first + choice.coarse, delta, axis, length_rad, colour, normal);
+        let weight = choice.coarse_weight;
+        value = Ground(value.colour + weight * coarse.colour, value.east_north + weight * coarse.east_north);
     }
     return value;
-}
-
-// Air between the eye and a place `height_m` above the sphere, in columns. `towards_eye`: unit
-// vector from the place.
-fn air_between(height_m: f32, up: vec3f, towards_eye: vec3f) -> f32 {
-    let up_here = dot(up, towards_eye);
-    let up_at_eye = dot(frame.eye_up_in_focus, towards_eye);
-    var air = 0.0;
-    if (up_at_eye < 0.0) {
-        // The place is higher: count from the eye, where the air is denser.
-        air = air_to_space(frame.altitude_m, -up_at_eye) - air_to_space(height_m, -up_here);
-    } else {
-        air = air_to_space(height_m, up_here) - air_to_space(frame.altitude_m, up_at_eye);
-    }
-    return max(air, 0.0);
 }
 
 @fragment
@@ -136,7 +188,7 @@ fn terrain_fragment(in: Varyings) -> @location(0) vec4f {
 
     let turned_x = meridian_from_focus(vec3f(step_x.xy, -step_x.z), sin_cos);
     let turned_y = meridian_from_focus(vec3f(step_y.xy, -step_y.z), sin_cos);
-    let depth_m = max(dot(in.from_eye_m, frame.ray_forward), 1e-3);
+    let depth_m = max(in.depth_m, 1e-3);
     let footprint = footprint_of(
         vec2f(dot(turned_x, east), -dot(turned_x, north)),
         vec2f(dot(turned_y, east), -dot(turned_y, north)),
@@ -145,34 +197,35 @@ fn terrain_fragment(in: Varyings) -> @location(0) vec4f {
     // The axis in map radians; a quarter turn at most, at a pole itself.
     let axis = vec2f(footprint.major.x / max(rho, footprint.major_rad), footprint.major.y);
 
-    var ground = BARE_GROUND;
+    let chance = pixel_noise(in.position.xy);
+    var colour = vec4f(0.0);
+    var normal = up;
     if (HAS_COLOUR) {
         let stack = LevelStack({{COLOUR_SLOT}}u, frame.colour_levels);
         let choice = colour_level_for(stack, footprint.minor_rad, delta);
         if (choice.fine != NO_LEVEL) {
-            let colour = mixed(colours, stack.first, choice, delta, axis, footprint.major_rad);
-            ground = mix(BARE_GROUND, colour.rgb, colour.a);
+            let read = mixed(stack.first, choice, delta, footprint, axis, chance, true, SHARED_LEVELS);
+            colour = read.colour;
+            if (SHARED_LEVELS) {
+                normal = ground_normal(read.east_north, east, north, up);
+            }
         }
     }
-
-    let sun = meridian_from_focus(frame.sun_in_focus, sin_cos);
-    if (HAS_NORMALS) {
+    if (HAS_NORMALS && !SHARED_LEVELS) {
         let stack = LevelStack({{NORMAL_SLOT}}u, frame.normal_levels);
         let choice = colour_level_for(stack, footprint.minor_rad, delta);
-        var normal = up;
         if (choice.fine != NO_LEVEL) {
-            let east_north = mixed(normals, stack.first, choice, delta, axis, footprint.major_rad).xy;
-            normal = ground_normal(east_north, east, north, up);
+            let read = mixed(stack.first, choice, delta, footprint, axis, chance, false, true);
+            normal = ground_normal(read.east_north, east, north, up);
         }
-        ground *= lit(normal, up, sun);
     }
 
+    var ground = mix(BARE_GROUND, colour.rgb, colour.a);
+    if (HAS_NORMALS) {
+        ground *= lit(normal, up, meridian_from_focus(frame.sun_in_focus, sin_cos));
+    }
     if (HAS_HAZE) {
-        let towards_eye = -normalize(in.from_eye_m);
-        let up_in_focus = normalize(vec3f(in.vertex.xy, 1.0 - in.vertex.z));
-        let air = GROUND_AIR * air_between(in.height_m, up_in_focus, towards_eye);
-        ground = ground * transmitted(air)
-            + scattered(air, dot(up, sun), -dot(towards_eye, frame.sun_in_focus));
+        ground = ground * in.transmitted + in.scattered;
     }
     return to_pixel(ground, in.position.xy);
 }

@@ -41,6 +41,9 @@ pub struct Quality {
     pub radial_steps: u32,
     /// Most taps along the major axis of a fragment's footprint, 1 to 16.
     pub max_taps: u32,
+    /// Whether a fragment between two levels reads and mixes both while the picture moves; else it
+    /// reads one of them, by chance in proportion.
+    pub blends_levels: bool,
 }
 
 impl Quality {
@@ -54,6 +57,7 @@ impl Quality {
                 azimuth_steps: 192,
                 radial_steps: 20,
                 max_taps: 4,
+                blends_levels: false,
             },
             AdapterClass::Integrated => Self {
                 height_window: 256,
@@ -61,6 +65,7 @@ impl Quality {
                 azimuth_steps: 384,
                 radial_steps: 32,
                 max_taps: 8,
+                blends_levels: true,
             },
             AdapterClass::Discrete => Self {
                 height_window: 256,
@@ -68,6 +73,7 @@ impl Quality {
                 azimuth_steps: 512,
                 radial_steps: 40,
                 max_taps: 8,
+                blends_levels: true,
             },
         }
     }

@@ -23,7 +23,7 @@ use crate::stats::FrameStats;
 use crate::targets::Targets;
 use crate::terrain::{TerrainKey, TerrainPass};
 use crate::timing::FrameTimer;
-use crate::uniforms::{LevelUniforms, frame_uniform, level_uniforms};
+use crate::uniforms::{LevelUniforms, frame_uniform, level_uniforms, shares_levels};
 
 /// Why a frame is not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -57,6 +57,7 @@ struct Drawn {
     view: View,
     near_m: f64,
     radius_m: f64,
+    key: TerrainKey,
 }
 
 /// Everything that one view needs on a device.
@@ -67,6 +68,7 @@ pub struct Renderer {
     loss: LossWatch,
     quality: Quality,
     look: Look,
+    rests: bool,
     target_format: wgpu::TextureFormat,
     frame_group: FrameGroup,
     displace: DisplacePass,
@@ -117,6 +119,7 @@ impl Renderer {
             loss: gpu.loss.clone(),
             quality,
             look: Look::default(),
+            rests: true,
             target_format,
             frame_group,
             displace,
@@ -158,6 +161,12 @@ impl Renderer {
         self.look = look;
     }
 
+    /// Says whether the picture rests, from the next frame on: a quality that spares the blending of
+    /// levels does so in motion only. It rests at first.
+    pub fn set_rests(&mut self, rests: bool) {
+        self.rests = rests;
+    }
+
     /// Stores a frame's uploads and draws it into the renderer's own picture. The commands take
     /// effect when the caller submits `encoder`, which must be before the next call.
     ///
@@ -188,6 +197,8 @@ impl Renderer {
             colour: uniform.colour_levels > 0,
             normals: uniform.normal_levels > 0,
             haze: uniform.haze > 0.0,
+            shared_levels: shares_levels(frame),
+            blends_levels: self.quality.blends_levels || self.rests,
             max_taps: self.quality.max_taps.clamp(1, 16),
         };
         let heights_came = frame.uploads.iter().any(|u| u.clipmap == ClipKind::Height);
@@ -198,7 +209,7 @@ impl Renderer {
             let same_levels = drawn.levels == levels && frame.uploads.is_empty();
             (
                 same_frame && same_heights,
-                same_frame && same_levels && !resized,
+                same_frame && same_levels && !resized && drawn.key == key,
             )
         });
         let mut stats = FrameStats {
@@ -232,6 +243,7 @@ impl Renderer {
             view: View::new(&frame.camera, &frame.planet, self.targets.size_px()),
             near_m: frame.near_m,
             radius_m: frame.planet.radius_m,
+            key,
         });
         Ok(stats)
     }

@@ -21,6 +21,10 @@ pub struct TerrainKey {
     pub normals: bool,
     /// Whether there is air.
     pub haze: bool,
+    /// Whether one choice of levels serves colours and normals.
+    pub shared_levels: bool,
+    /// Whether a fragment between two levels mixes both.
+    pub blends_levels: bool,
     /// Most taps along a footprint's major axis.
     pub max_taps: u32,
 }
@@ -146,13 +150,25 @@ fn pipeline(
             attributes,
         })
     };
+    let constants = [
+        ("HAS_COLOUR", bind::switch(key.colour)),
+        ("HAS_NORMALS", bind::switch(key.normals)),
+        ("HAS_HAZE", bind::switch(key.haze)),
+        ("SHARED_LEVELS", bind::switch(key.shared_levels)),
+        ("BLENDS_LEVELS", bind::switch(key.blends_levels)),
+        ("MAX_TAPS", f64::from(key.max_taps)),
+    ];
+    let specialised = wgpu::PipelineCompilationOptions {
+        constants: &constants,
+        ..Default::default()
+    };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("terrain/pipeline"),
         layout: Some(layout),
         vertex: wgpu::VertexState {
             module,
             entry_point: Some("terrain_vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: specialised.clone(),
             buffers: &[buffer(&attributes[0]), buffer(&attributes[1])],
         },
         primitive: wgpu::PrimitiveState {
@@ -164,15 +180,7 @@ fn pipeline(
         fragment: Some(wgpu::FragmentState {
             module,
             entry_point: Some("terrain_fragment"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[
-                    ("HAS_COLOUR", bind::switch(key.colour)),
-                    ("HAS_NORMALS", bind::switch(key.normals)),
-                    ("HAS_HAZE", bind::switch(key.haze)),
-                    ("MAX_TAPS", f64::from(key.max_taps)),
-                ],
-                ..Default::default()
-            },
+            compilation_options: specialised,
             targets: &[Some(targets::COLOUR_FORMAT.into())],
         }),
         multiview_mask: None,

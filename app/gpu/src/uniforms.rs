@@ -3,7 +3,8 @@
 //! Invariant: everything planet-sized is subtracted in f64 here; what reaches a shader is relative
 //! to the eye or the focus. Twin of the consuming side: `shaders/wgsl/lib/frame.wgsl`.
 
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DMat3, DMat4, DVec3, Vec2};
+use relievo_engine::planet::clipmap::choose::LevelView as ShaderView;
 use relievo_engine::planet::clipmap::view::{FocusFrame, View};
 use relievo_engine::{Frame, LevelView};
 use relievo_shaders::layout::{
@@ -74,7 +75,35 @@ fn count(levels: &[LevelView]) -> u32 {
     levels.len().min(MAX_LEVELS) as u32
 }
 
-/// The levels of all three clipmaps. Of more than [`MAX_LEVELS`] the finest are left out.
+/// Whether colours and normals lie in the same windows, so that one choice of levels serves both.
+pub fn shares_levels(frame: &Frame) -> bool {
+    let (colours, normals) = (&frame.colours, &frame.normals);
+    !colours.is_empty()
+        && colours.len() == normals.len()
+        && colours
+            .iter()
+            .zip(normals)
+            .all(|(c, n)| c.window == n.window && c.layer == n.layer)
+}
+
+/// What may be read of both of two levels in one window.
+fn readable_in_both(a: &ShaderView, b: &ShaderView) -> ShaderView {
+    ShaderView {
+        valid_min: a.valid_min.max(b.valid_min),
+        valid_max: a.valid_max.min(b.valid_max),
+        settled_min: a.settled_min.max(b.settled_min),
+        settled_max: a.settled_max.min(b.settled_max),
+        fade: a.fade.min(b.fade),
+        tap_rows: Vec2::new(
+            a.tap_rows.x.max(b.tap_rows.x),
+            a.tap_rows.y.min(b.tap_rows.y),
+        ),
+        ..*a
+    }
+}
+
+/// The levels of all three clipmaps. Of more than [`MAX_LEVELS`] the finest are left out. Where
+/// colours and normals share their levels, the colours' slots say what may be read of both.
 pub fn level_uniforms(frame: &Frame) -> LevelUniforms {
     let mut slots = [LevelUniform::default(); LEVEL_SLOTS];
     let stacks = [
@@ -86,6 +115,14 @@ pub fn level_uniforms(frame: &Frame) -> LevelUniforms {
         for (slot, level) in slots[first..first + MAX_LEVELS].iter_mut().zip(levels) {
             let period = level.window.period().to_array().map(|p| p as u32);
             *slot = LevelUniform::new(&level.view, period, level.layer);
+        }
+    }
+    if shares_levels(frame) {
+        let both = frame.colours.iter().zip(&frame.normals);
+        for (slot, (colour, normal)) in slots[COLOUR_SLOT..NORMAL_SLOT].iter_mut().zip(both) {
+            let period = colour.window.period().to_array().map(|p| p as u32);
+            let view = readable_in_both(&colour.view, &normal.view);
+            *slot = LevelUniform::new(&view, period, colour.layer);
         }
     }
     slots

@@ -44,10 +44,14 @@ fn shoulder(linear: vec3f) -> vec3f {
     return min(linear, vec3f(0.8)) + over / (1.0 + over / 0.2);
 }
 
-// A half quantum of noise that depends on the pixel only, so that skies show no bands.
+// Noise from 0 to 1 that depends on the pixel only, even over any few neighbours.
+fn pixel_noise(pixel: vec2f) -> f32 {
+    return fract(52.9829189 * fract(dot(floor(pixel), vec2f(0.06711056, 0.00583715))));
+}
+
+// Half a quantum of noise, so that skies show no bands.
 fn dither(pixel: vec2f) -> f32 {
-    let noise = fract(52.9829189 * fract(dot(floor(pixel), vec2f(0.06711056, 0.00583715))));
-    return (noise - 0.5) / 255.0;
+    return (pixel_noise(pixel) - 0.5) / 255.0;
 }
 
 // The pixel for linear light: display range, sRGB encoded by hand, dithered.

@@ -25,6 +25,7 @@ pub(crate) struct Pace {
     step: usize,
     ms_per_pixel: Option<f64>,
     moved_s: Option<f64>,
+    rests: bool,
 }
 
 impl Pace {
@@ -45,6 +46,7 @@ impl Pace {
             self.moved_s = Some(now_s);
         }
         let rests = self.moved_s.is_none_or(|moved| now_s - moved >= REST_S);
+        self.rests = rests;
         if rests {
             self.step = 0;
         } else if moving {
@@ -54,9 +56,9 @@ impl Pace {
         full_px.map(|s| ((f64::from(s) * scale).round() as u32).max(1))
     }
 
-    /// Whether the picture is coarser than the view until it rests.
-    pub(crate) fn is_reduced(&self) -> bool {
-        self.step > 0
+    /// Whether the latest size was for a picture at rest.
+    pub(crate) fn rests(&self) -> bool {
+        self.rests
     }
 
     fn step_for(&self, full_px: [u32; 2]) -> usize {
@@ -109,7 +111,7 @@ mod tests {
         let mut pace = Pace::default();
         let sizes = run(&mut pace, 120.0, 0.0, 50);
         assert_eq!(sizes[49], [600, 450]);
-        assert!(pace.is_reduced());
+        assert!(!pace.rests());
         assert_eq!(pace.size_px(FULL, 1.6, false), [600, 450], "a pause");
         assert_eq!(pace.size_px(FULL, 1.5 + 0.3, false), FULL, "a rest");
     }

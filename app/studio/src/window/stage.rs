@@ -77,17 +77,20 @@ impl Stage {
         self.stats.as_ref()
     }
 
-    /// Draws a frame into the stage's own picture.
+    /// Draws a frame into the stage's own picture. `rests` says whether nothing moves.
     ///
     /// # Errors
     /// When the device is lost or an upload does not fit.
-    pub(crate) fn draw(&mut self, frame: &Frame) -> Result<(), RenderError> {
+    pub(crate) fn draw(&mut self, frame: &Frame, rests: bool) -> Result<(), RenderError> {
         let label = Some("stage/encoder");
         let mut encoder = self
             .gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-        let stats = lock(&self.renderer).render(frame, &mut encoder)?;
+        let mut renderer = lock(&self.renderer);
+        renderer.set_rests(rests);
+        let stats = renderer.render(frame, &mut encoder)?;
+        drop(renderer);
         self.gpu.queue.submit([encoder.finish()]);
         self.stats = Some(stats);
         Ok(())

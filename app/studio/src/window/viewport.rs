@@ -122,7 +122,7 @@ impl Studio {
         self.status.pending = frame.pending;
         self.frame_revision = frame.revision;
         if let Some(stage) = &mut self.stage {
-            match stage.draw(&frame) {
+            match stage.draw(&frame, self.pace.rests()) {
                 Ok(()) => {}
                 Err(RenderError::DeviceLost) => self.device_lost(ui.ctx()),
                 Err(error @ RenderError::Upload(_)) => {
@@ -160,7 +160,7 @@ impl Studio {
             || self.navigation.is_moving()
             || self.drawn_camera.replace(camera) != Some(camera);
         let size_px = self.pace.size_px(full_px, ui.input(|i| i.time), moving);
-        if self.pace.is_reduced() {
+        if !self.pace.rests() {
             let rest = Duration::from_secs_f64(PICTURE_REST_S);
             ui.ctx().request_repaint_after(rest);
         }
