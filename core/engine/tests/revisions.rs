@@ -146,7 +146,7 @@ fn a_revision_waits_for_the_tiles_that_the_picture_reads_and_for_no_others() {
     let mut engine = engine(2);
     // A look aslant over the grid of tiles.
     let wide = View {
-        camera: Camera::from_degrees(10.65, 45.6, 1.0e4, 325.6, -30.0, 60.0).unwrap(),
+        camera: Camera::from_degrees(10.65, 45.6, 1.0e6, 325.6, -60.0, 60.0).unwrap(),
         colour_window: 1024,
         viewport_px: [1280, 960],
         ..view(10.0)
