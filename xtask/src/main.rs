@@ -4,6 +4,7 @@
 //! it may not install, it prints exactly what is missing and how to get it, and exits with 1.
 //! Absent: any knowledge of maps, tiles or GPUs.
 
+mod bench;
 mod packages;
 mod setup;
 mod summary;
@@ -21,6 +22,8 @@ Tasks:
                      ARGS go to the studio; a .relievo file among them replaces the sample
   test [--no-gpu]    set up what is missing and run all tests;
                      --no-gpu leaves out those that need a Vulkan, Metal or DirectX device
+  bench              time the pixel kernels, and what GDAL and OpenCV take for the same work
+                     where they are installed for python3
   ci                 formatting, clippy and documentation, warnings denied
   help               print this
 ";
@@ -30,6 +33,7 @@ Tasks:
 enum Task {
     Studio { arguments: Vec<String> },
     Test { gpu: bool },
+    Bench,
     Ci,
     Help,
 }
@@ -54,6 +58,11 @@ fn parse(arguments: &[String]) -> Result<Task, String> {
                 other.join(" ")
             )),
         },
+        "bench" if rest.is_empty() => Ok(Task::Bench),
+        "bench" => Err(format!(
+            "`bench` takes no options, found {}",
+            rest.join(" ")
+        )),
         "ci" if rest.is_empty() => Ok(Task::Ci),
         "ci" => Err(format!("`ci` takes no options, found {}", rest.join(" "))),
         "help" | "--help" | "-h" => Ok(Task::Help),
@@ -66,6 +75,7 @@ fn main() -> ExitCode {
     let done = match parse(&arguments) {
         Ok(Task::Studio { arguments }) => tasks::studio(&arguments),
         Ok(Task::Test { gpu }) => tasks::test(gpu),
+        Ok(Task::Bench) => tasks::bench(),
         Ok(Task::Ci) => tasks::ci(),
         Ok(Task::Help) => {
             eprint!("{USAGE}");

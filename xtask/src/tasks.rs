@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::packages::Display;
-use crate::{setup, summary};
+use crate::{bench, setup, summary};
 
 /// Crates of `core/`, which are tested first and alone, without any GPU or window crate.
 const CORE: [&str; 6] = [
@@ -169,6 +169,12 @@ fn test_runs(runner: Runner, gpu: bool) -> Vec<(&'static str, Vec<&'static str>)
             ),
         ],
     }
+}
+
+/// Times the pixel kernels and prints tables.
+pub(crate) fn bench() -> Result<()> {
+    setup::ensure(false, Display::None)?;
+    bench::bench(cargo()?, &root()?)
 }
 
 /// Formatting, clippy and documentation, warnings denied.

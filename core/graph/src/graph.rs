@@ -177,10 +177,7 @@ impl Graph {
             Source::Cut(content) => resolver.raw(content, at).source,
             Source::Raw(raw) => Source::Raw(raw),
         };
-        let mut block =
-            Maker::new(resolver, Reader::Tiles(inputs), cancel).make(source, stored.bands(), at)?;
-        round::before_storing(&mut block, stored);
-        Ok(Tile::from_block(&block, stored))
+        Maker::new(resolver, Reader::Tiles(inputs), cancel).make_tile(source, stored, at)
     }
 
     /// Evaluates any node on any grid, without tiles: what `bake` and `sample` use. Equal bit for

@@ -6,7 +6,7 @@ pub mod constant;
 pub mod edge_fade;
 pub mod file;
 mod ground;
-mod light;
+mod lanes;
 pub mod memory;
 pub mod noise;
 pub mod normals;

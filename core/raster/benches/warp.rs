@@ -1,12 +1,15 @@
-//! A 256² height tile from a tiled file in UTM whose pixels are in memory, on one thread.
+//! A 256² tile from a tiled file in UTM on one thread: from pixels in memory, and from GeoTIFFs whose decoded
+//! chunks are cached.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, TileKey};
 use relievo_raster::file::{Georeference, OverviewInfo, ReadError};
+use relievo_raster::open::{OpenOptions, open};
 use relievo_raster::warp::{Kernel, Warp};
+use relievo_raster::write::{CogLayout, CogSamples, write_cog};
 use relievo_raster::{Bands, Block, Cancel, PixelRect, RasterFile, RasterInfo, reduce};
 
 /// Side of the file in pixels.
@@ -42,17 +45,44 @@ impl RasterFile for Memory {
     }
 }
 
-fn file() -> Arc<dyn RasterFile> {
-    let mut full = Block::new(Bands::Height, SIDE, SIDE);
-    for (i, v) in full.plane_mut(0).iter_mut().enumerate() {
-        *v = ((i % SIDE) as f32 * 0.1).sin() * 300.0 + (i / SIDE) as f32;
+/// Waves of heights, or of colours.
+fn full(bands: Bands) -> Block {
+    let mut full = Block::new(bands, SIDE, SIDE);
+    for plane in 0..bands.planes() {
+        for (i, v) in full.plane_mut(plane).iter_mut().enumerate() {
+            let wave = ((i % SIDE) as f32 * 0.1).sin();
+            *v = match (bands, plane) {
+                (Bands::Height, _) => wave * 300.0 + (i / SIDE) as f32,
+                (_, 3) => 1.0,
+                _ => (wave * 0.5 + 0.5) * (i / SIDE) as f32 / SIDE as f32,
+            };
+        }
     }
-    let mut levels = vec![full];
+    full
+}
+
+/// Pixels of 30 m in zone 12.
+fn place() -> Georeference {
+    let half_m = SIDE as f64 * 15.0;
+    Georeference {
+        crs: "EPSG:32612".into(),
+        plane_from_pixel: [
+            457_000.0 - half_m,
+            30.0,
+            0.0,
+            4_483_000.0 + half_m,
+            0.0,
+            -30.0,
+        ],
+    }
+}
+
+fn file(bands: Bands) -> Arc<dyn RasterFile> {
+    let mut levels = vec![full(bands)];
     for _ in 0..3 {
         let half = reduce::halve(&levels[levels.len() - 1]);
         levels.push(half);
     }
-    let half_m = SIDE as f64 * 15.0;
     Arc::new(Memory {
         info: RasterInfo {
             path: PathBuf::from("memory"),
@@ -64,27 +94,44 @@ fn file() -> Arc<dyn RasterFile> {
                     height: b.height() as u32,
                 })
                 .collect(),
-            bands: Bands::Height,
-            band_count: 1,
+            bands,
+            band_count: bands.planes() as u16,
             sample_type: "float32".into(),
             compression: "none".into(),
             deep_colour: false,
             nodata: None,
             may_have_holes: true,
-            georeference: Some(Georeference {
-                crs: "EPSG:32612".into(),
-                plane_from_pixel: [
-                    457_000.0 - half_m,
-                    30.0,
-                    0.0,
-                    4_483_000.0 + half_m,
-                    0.0,
-                    -30.0,
-                ],
-            }),
+            georeference: Some(place()),
         },
         levels,
     })
+}
+
+/// The same pixels in a GeoTIFF of the folder.
+fn geotiff(folder: &Path, samples: CogSamples) -> Arc<dyn RasterFile> {
+    let pixels = full(samples.bands());
+    let path = folder.join(format!("{}.tif", samples.bands().planes()));
+    let layout = CogLayout {
+        width: SIDE as u32,
+        height: SIDE as u32,
+        samples,
+        tile: 256,
+        georeference: Some(place()),
+    };
+    write_cog(
+        &path,
+        &layout,
+        &mut |rect, out| {
+            let size = (rect.width as usize, rect.height as usize);
+            out.reshape(pixels.bands(), size.0, size.1);
+            out.copy_from(&pixels, (rect.x as usize, rect.y as usize), (0, 0), size);
+            Ok(())
+        },
+        &mut |_| {},
+        &Cancel::default(),
+    )
+    .expect("a file in a folder of our own");
+    open(&path, &OpenOptions::default()).expect("a file that was just written")
 }
 
 /// The tile of a level at the middle of the file.
@@ -101,16 +148,53 @@ fn grid(n: u8) -> Grid {
 
 fn warp(c: &mut Criterion) {
     let cancel = Cancel::default();
+    let folder = tempfile::tempdir().expect("a folder for a moment");
     let mut out = Block::new(Bands::Height, 256, 256);
-    for (name, kernel, n) in [
-        ("magnified, bilinear", Kernel::Bilinear, 12),
-        ("magnified, bicubic", Kernel::Bicubic, 12),
-        ("reduced by a tent", Kernel::Bilinear, 11),
-    ] {
-        let warp = Warp::new(file(), Planet::EARTH, kernel).expect("a georeferenced file");
+    let heights = || file(Bands::Height);
+    let heights_of_tiff = || geotiff(folder.path(), CogSamples::Height { nodata: -9999.0 });
+    let cases: [(&str, Arc<dyn RasterFile>, Kernel, u8); 6] = [
+        (
+            "height tile from UTM: magnified, bilinear",
+            heights(),
+            Kernel::Bilinear,
+            12,
+        ),
+        (
+            "height tile from UTM: magnified, bicubic",
+            heights(),
+            Kernel::Bicubic,
+            12,
+        ),
+        (
+            "height tile from UTM: reduced by a tent",
+            heights(),
+            Kernel::Bilinear,
+            11,
+        ),
+        (
+            "height tile from a GeoTIFF in UTM",
+            heights_of_tiff(),
+            Kernel::Bilinear,
+            12,
+        ),
+        (
+            "colour tile from UTM",
+            file(Bands::Colour),
+            Kernel::Bilinear,
+            12,
+        ),
+        (
+            "colour tile from a GeoTIFF in UTM",
+            geotiff(folder.path(), CogSamples::Rgb8),
+            Kernel::Bilinear,
+            12,
+        ),
+    ];
+    for (name, file, kernel, n) in cases {
+        let warp = Warp::new(file, Planet::EARTH, kernel).expect("a georeferenced file");
         let grid = grid(n);
-        c.bench_function(&format!("height tile from UTM: {name}"), |b| {
-            b.iter(|| warp.render(&grid, &mut out, &cancel));
+        c.bench_function(name, |b| {
+            b.iter(|| warp.render(&grid, &mut out, &cancel).expect("a sound file"));
         });
     }
 }

@@ -89,9 +89,17 @@ impl EdgeDistance {
         let full = warp.file().info().overviews[0];
         let (width, height) = (f64::from(full.width), f64::from(full.height));
         let mut out = vec![0.0; (grid.rect.width() * grid.rect.height()) as usize];
+        // Of the row before: rows of a source that lies as the grid does are all one latitude, and
+        // in a projected one all pixels are alike.
+        let alike = warp.pixels_are_alike();
+        let mut row = (0.0, warp.pixel_size_m(0.0));
         warp.for_each_place(grid, |sample, place| {
             let (x, y) = (place.x, place.y);
-            let [x_m, y_m] = warp.pixel_size_m(y.clamp(0.0, height));
+            let inside = y.clamp(0.0, height);
+            if !alike && inside != row.0 {
+                row = (inside, warp.pixel_size_m(inside));
+            }
+            let [x_m, y_m] = row.1;
             let mut distance = f64::INFINITY;
             if self.has_outline[0] {
                 distance = distance.min(x.min(width - x) * x_m);

@@ -8,7 +8,7 @@
 //! Every value is `v₀ + Σ w (v − v₀) / Σ w` about one of the samples, so a constant window gives
 //! that constant to the bit and large heights lose nothing.
 
-use core::ops::Range;
+use crate::vector::floor;
 
 /// How samples are interpolated where the result is at least as fine as the source. Where it is
 /// coarser, all but [`Kernel::Nearest`] average with a tent as wide as the footprint.
@@ -28,6 +28,9 @@ pub enum Kernel {
 /// A window of one or four planes, inside larger ones.
 pub(crate) struct Window<'a> {
     pub(crate) planes: &'a [&'a [f32]],
+    /// The same samples of four planes side by side, where there are such: the four values of a
+    /// pixel are fetched together.
+    pub(crate) pixels: Option<&'a [[f32; 4]]>,
     /// Index of the window's first sample in each plane.
     pub(crate) offset: usize,
     /// Samples from one row of the planes to the next.
@@ -45,7 +48,10 @@ pub(crate) struct Footprint {
 }
 
 /// Places that are worked on together.
-const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
+
+/// One value of each.
+pub(crate) type Lane = [f32; LANES];
 
 /// Of each place: index of the first sample about it, and where between two samples it is.
 struct Lanes {
@@ -55,113 +61,132 @@ struct Lanes {
 }
 
 impl Window<'_> {
-    /// Evaluates a row of places (`x`, `y`: continuous, centres at +½, two samples inside the window;
-    /// places outside clamp) into one row per plane.
-    pub(crate) fn sample_row(
-        &self,
-        footprint: Footprint,
-        x: &[f32],
-        y: &[f32],
-        out: &mut [&mut [f32]],
-    ) {
+    /// Evaluates places (`x`, `y`: continuous, centres at +½, two samples inside the window; places
+    /// outside clamp) into one lane per plane. Runs on vectors where it is inlined into a kernel
+    /// that does.
+    #[inline(always)]
+    pub(crate) fn sample(&self, footprint: Footprint, x: &Lane, y: &Lane, out: &mut [Lane]) {
         if self.width < 4 || self.height < 4 {
-            for row in out {
-                row.fill(f32::NAN);
+            for lane in out {
+                lane.fill(f32::NAN);
             }
             return;
         }
         let magnifies = footprint.radius_x <= 1.0 && footprint.radius_y <= 1.0;
         let (rx, ry) = (1.0 / footprint.radius_x, 1.0 / footprint.radius_y);
-        for (n, (x, y)) in x.chunks(LANES).zip(y.chunks(LANES)).enumerate() {
-            let part = n * LANES..n * LANES + x.len();
-            match footprint.kernel {
-                Kernel::Nearest => {
-                    for (plane, row) in self.planes.iter().zip(out.iter_mut()) {
-                        self.nearest(plane, x, y, &mut row[part.clone()]);
-                    }
+        match footprint.kernel {
+            Kernel::Nearest => {
+                for (plane, lane) in self.planes.iter().zip(out) {
+                    self.nearest(plane, x, y, lane);
                 }
-                Kernel::Bilinear if magnifies => self.bilinear(x, y, part, out),
-                Kernel::Bicubic if magnifies => {
-                    self.taps(x, y, part, out, [keys, keys], (1.0, 1.0));
-                }
-                Kernel::Bilinear | Kernel::Bicubic => {
-                    let tents = [rx, ry].map(|r| move |f| tent(f, r));
-                    self.taps(x, y, part, out, tents, (rx, ry));
-                }
+            }
+            Kernel::Bilinear if magnifies => self.bilinear(x, y, out),
+            Kernel::Bicubic if magnifies => self.taps(x, y, out, [keys, keys], (1.0, 1.0)),
+            Kernel::Bilinear | Kernel::Bicubic => {
+                self.taps(
+                    x,
+                    y,
+                    out,
+                    [rx, ry].map(|r| {
+                        #[inline(always)]
+                        move |f| tent(f, r)
+                    }),
+                    (rx, ry),
+                );
             }
         }
     }
 
-    fn nearest(&self, plane: &[f32], x: &[f32], y: &[f32], row: &mut [f32]) {
-        for ((x, y), v) in x.iter().zip(y).zip(row) {
+    #[inline(always)]
+    fn nearest(&self, plane: &[f32], x: &Lane, y: &Lane, out: &mut Lane) {
+        for ((x, y), v) in x.iter().zip(y).zip(out) {
             let column = (*x as usize).min(self.width - 1);
             let line = (*y as usize).min(self.height - 1);
             *v = plane[self.offset + line * self.stride + column];
         }
     }
 
-    /// Bilinear values of at most [`LANES`] places into the part `part` of each row.
-    fn bilinear(&self, x: &[f32], y: &[f32], part: Range<usize>, out: &mut [&mut [f32]]) {
+    #[inline(always)]
+    fn bilinear(&self, x: &Lane, y: &Lane, out: &mut [Lane]) {
         let at = self.lanes(x, y, 0, 2);
-        for (plane, row) in self.planes.iter().zip(out) {
-            let mut corners = [[0.0_f32; LANES]; 4];
-            for (i, first) in at.first.iter().enumerate().take(x.len()) {
-                let (north, south) = (*first as usize, *first as usize + self.stride);
-                let (north, south) = (&plane[north..north + 2], &plane[south..south + 2]);
-                corners[0][i] = north[0];
-                corners[1][i] = north[1];
-                corners[2][i] = south[0];
-                corners[3][i] = south[1];
+        if let (Some(pixels), [_, _, _, _]) = (self.pixels, &*out) {
+            let mut holes = false;
+            let mut values = [[0.0_f32; 4]; LANES];
+            for (i, value) in values.iter_mut().enumerate() {
+                let about = &pixels[at.first[i] as usize..][..self.stride + 2];
+                let (nw, ne) = (about[0], about[1]);
+                let (sw, se) = (about[self.stride], about[self.stride + 1]);
+                for c in 0..4 {
+                    let n = nw[c] + (ne[c] - nw[c]) * at.fx[i];
+                    let s = sw[c] + (se[c] - sw[c]) * at.fx[i];
+                    value[c] = n + (s - n) * at.fy[i];
+                    holes |= value[c].is_nan();
+                }
             }
-            let mut values = [0.0_f32; LANES];
+            for (c, out) in out.iter_mut().enumerate() {
+                for (out, value) in out.iter_mut().zip(&values) {
+                    *out = value[c];
+                }
+            }
+            if !holes {
+                return;
+            }
+        }
+        for (plane, out) in self.planes.iter().zip(out) {
+            // Neighbours are fetched together.
+            let (mut north, mut south) = ([[0.0_f32; 2]; LANES], [[0.0_f32; 2]; LANES]);
+            for (i, first) in at.first.iter().enumerate() {
+                // One check of bounds for all four.
+                let about = &plane[*first as usize..][..self.stride + 2];
+                north[i] = [about[0], about[1]];
+                south[i] = [about[self.stride], about[self.stride + 1]];
+            }
             for i in 0..LANES {
-                let n = corners[0][i] + (corners[1][i] - corners[0][i]) * at.fx[i];
-                let s = corners[2][i] + (corners[3][i] - corners[2][i]) * at.fx[i];
-                values[i] = n + (s - n) * at.fy[i];
+                let n = north[i][0] + (north[i][1] - north[i][0]) * at.fx[i];
+                let s = south[i][0] + (south[i][1] - south[i][0]) * at.fx[i];
+                out[i] = n + (s - n) * at.fy[i];
             }
-            let row = &mut row[part.clone()];
-            row.copy_from_slice(&values[..x.len()]);
-            self.mend(plane, x, y, (1.0, 1.0), row);
+            self.mend(plane, x, y, (1.0, 1.0), out);
         }
     }
 
     /// The first of the columns and rows about each place, of which `before` lie west and north of
     /// the one at or before it, and where between that and the next one the place is; `after` is how
     /// far from the window's end that one stays.
-    #[inline]
-    fn lanes(&self, x: &[f32], y: &[f32], before: i32, after: i32) -> Lanes {
-        let (mut xs, mut ys) = ([0.0_f32; LANES], [0.0_f32; LANES]);
-        xs[..x.len()].copy_from_slice(x);
-        ys[..y.len()].copy_from_slice(y);
-        let (last_column, last_row) = (self.width as i32 - after, self.height as i32 - after);
+    #[inline(always)]
+    fn lanes(&self, x: &Lane, y: &Lane, before: u32, after: u32) -> Lanes {
         let (offset, stride) = (self.offset as u32, self.stride as u32);
+        let begin = before as f32;
+        let end = [self.width, self.height].map(|n| (n as u32 - after) as f32);
+        // NaN counts as the beginning.
+        let clamp = |v: f32, end: f32| {
+            let v = if v > begin { v } else { begin };
+            if v < end { v } else { end }
+        };
         let mut at = Lanes {
             first: [0; LANES],
-            fx: xs,
-            fy: ys,
+            fx: [0.0; LANES],
+            fy: [0.0; LANES],
         };
         for i in 0..LANES {
-            let (x, y) = (xs[i] - 0.5, ys[i] - 0.5);
-            let (column, line) = (
-                (x as i32).max(before).min(last_column),
-                (y as i32).max(before).min(last_row),
-            );
-            at.first[i] = offset + (line - before) as u32 * stride + (column - before) as u32;
-            at.fx[i] = x - column as f32;
-            at.fy[i] = y - line as f32;
+            let (x, y) = (x[i] - 0.5, y[i] - 0.5);
+            let ((column, west), (line, north)) =
+                (floor(clamp(x, end[0])), floor(clamp(y, end[1])));
+            at.first[i] = offset + (line - before) * stride + (column - before);
+            at.fx[i] = x - west;
+            at.fy[i] = y - north;
         }
         at
     }
 
-    /// Sums over 4 × 4 samples about at most [`LANES`] places into the part `part` of each row.
-    /// Beside holes: with tents of the inverse radii `tents`.
-    #[inline]
+    /// Sums over 4 × 4 samples about each place. Beside holes: with tents of the inverse radii
+    /// `tents`.
+    #[inline(always)]
     fn taps(
         &self,
-        x: &[f32],
-        y: &[f32],
-        part: Range<usize>,
-        out: &mut [&mut [f32]],
+        x: &Lane,
+        y: &Lane,
+        out: &mut [Lane],
         weights: [impl Fn(f32) -> [f32; 4]; 2],
         tents: (f32, f32),
     ) {
@@ -170,15 +195,14 @@ impl Window<'_> {
         let wx = at.fx.map(weights_x);
         let wy = at.fy.map(weights_y);
         let share: [f32; LANES] = core::array::from_fn(|i| 1.0 / (total(wx[i]) * total(wy[i])));
-        for (plane, row) in self.planes.iter().zip(out) {
-            let row = &mut row[part.clone()];
-            for (i, v) in row.iter_mut().enumerate() {
-                let first = at.first[i] as usize;
-                let centre = plane[first + self.stride + 1];
+        for (plane, out) in self.planes.iter().zip(out) {
+            for (i, v) in out.iter_mut().enumerate() {
+                // One check of bounds for all sixteen.
+                let about = &plane[at.first[i] as usize..][..3 * self.stride + 4];
+                let centre = about[self.stride + 1];
                 let mut columns = [0.0_f32; 4];
                 for (line, w) in wy[i].iter().enumerate() {
-                    let start = first + line * self.stride;
-                    let values = &plane[start..start + 4];
+                    let values = &about[line * self.stride..][..4];
                     for (sum, value) in columns.iter_mut().zip(values) {
                         *sum += (value - centre) * w;
                     }
@@ -186,29 +210,29 @@ impl Window<'_> {
                 let [a, b, c, d] = core::array::from_fn(|k| columns[k] * wx[i][k]);
                 *v = centre + ((a + b) + (c + d)) * share[i];
             }
-            self.mend(plane, x, y, tents, row);
+            self.mend(plane, x, y, tents, out);
         }
     }
 
     /// Replaces values that are NaN because a sample is.
-    #[inline]
-    fn mend(&self, plane: &[f32], x: &[f32], y: &[f32], tents: (f32, f32), row: &mut [f32]) {
-        if row
-            .iter()
-            .fold(0_u32, |holes, v| holes + u32::from(v.is_nan()))
-            == 0
-        {
-            return;
+    #[inline(always)]
+    fn mend(&self, plane: &[f32], x: &Lane, y: &Lane, tents: (f32, f32), out: &mut Lane) {
+        // Not short-circuited, so that it runs on vectors.
+        if out.iter().fold(false, |holes, v| holes | v.is_nan()) {
+            self.mend_holes(plane, x, y, tents, out);
         }
+    }
+
+    #[inline(never)]
+    fn mend_holes(&self, plane: &[f32], x: &Lane, y: &Lane, tents: (f32, f32), out: &mut Lane) {
         let at = self.lanes(x, y, 1, 3);
-        for (i, v) in row.iter_mut().enumerate().filter(|(_, v)| v.is_nan()) {
+        for (i, v) in out.iter_mut().enumerate().filter(|(_, v)| v.is_nan()) {
             let (wx, wy) = (tent(at.fx[i], tents.0), tent(at.fy[i], tents.1));
             *v = self.beside_holes(plane, at.first[i] as usize, wx, wy);
         }
     }
 
     /// The value of a place some of whose 4 × 4 samples are NaN.
-    #[inline(never)]
     fn beside_holes(&self, plane: &[f32], first: usize, wx: [f32; 4], wy: [f32; 4]) -> f32 {
         let lines: [&[f32]; 4] = core::array::from_fn(|line| {
             let at = first + line * self.stride;
@@ -237,20 +261,20 @@ impl Window<'_> {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn total(w: [f32; 4]) -> f32 {
     (w[0] + w[1]) + (w[2] + w[3])
 }
 
 /// Weights of four samples at −1, 0, 1, 2 for a place `f` between 0 and 1: a tent of half-width
 /// `1 / inverse_radius`, 1 ≤ radius ≤ 2. Not normalised.
-#[inline]
+#[inline(always)]
 fn tent(f: f32, inverse_radius: f32) -> [f32; 4] {
     [f + 1.0, f, 1.0 - f, 2.0 - f].map(|distance| (1.0 - distance.abs() * inverse_radius).max(0.0))
 }
 
 /// Weights of four samples at −1, 0, 1, 2 for a place `f` between 0 and 1: Keys's cubic, a = −½.
-#[inline]
+#[inline(always)]
 fn keys(f: f32) -> [f32; 4] {
     let (f2, f3) = (f * f, f * f * f);
     [
@@ -272,19 +296,21 @@ mod tests {
     fn sample(plane: &[f32], kernel: Kernel, radius: f32, x: f32, y: f32) -> f32 {
         let window = Window {
             planes: &[plane],
+            pixels: None,
             offset: 0,
             stride: SIZE,
             width: SIZE,
             height: SIZE,
         };
-        let mut out = [0.0];
+        let mut out = [[0.0; LANES]];
         let footprint = Footprint {
             kernel,
             radius_x: radius,
             radius_y: radius,
         };
-        window.sample_row(footprint, &[x], &[y], &mut [&mut out[..]]);
-        out[0]
+        window.sample(footprint, &[x; LANES], &[y; LANES], &mut out);
+        assert!(out[0].iter().all(|v| v.to_bits() == out[0][0].to_bits()));
+        out[0][0]
     }
 
     fn plane(f: impl Fn(f32, f32) -> f32) -> Vec<f32> {
@@ -308,6 +334,41 @@ mod tests {
                 let v = sample(&p, kernel, radius, x, y);
                 prop_assert!(v.to_bits() == value.to_bits() || (holes != 0 && v.is_nan()), "{v}");
             }
+        }
+
+        #[test]
+        fn vectors_of_any_width_give_the_same_bits(
+            values in prop::collection::vec(prop_oneof![9 => -9e3..9e3_f32, 1 => Just(f32::NAN)], SIZE * SIZE),
+            x in prop::array::uniform16(-1.0..9.0_f32), y in prop::array::uniform16(-1.0..9.0_f32),
+            radius in prop_oneof![Just(1.0_f32), 1.0..2.0_f32], kernel in kernels(),
+        ) {
+            let window = Window { planes: &[&values[..]], pixels: None, offset: 0, stride: SIZE, width: SIZE, height: SIZE };
+            let footprint = Footprint { kernel, radius_x: radius, radius_y: radius };
+            let mut widest = [[0.0; LANES]];
+            crate::vector::on_widest(
+                #[inline(always)]
+                || window.sample(footprint, &x, &y, &mut widest),
+            );
+            let mut plain = [[0.0; LANES]];
+            window.sample(footprint, &x, &y, &mut plain);
+            prop_assert_eq!(widest[0].map(f32::to_bits), plain[0].map(f32::to_bits));
+        }
+
+        #[test]
+        fn pixels_side_by_side_give_the_bits_of_their_planes(
+            values in prop::collection::vec(prop::array::uniform4(prop_oneof![99 => 0.0..1.0_f32, 1 => Just(f32::NAN)]), SIZE * SIZE),
+            x in prop::array::uniform16(-1.0..9.0_f32), y in prop::array::uniform16(-1.0..9.0_f32),
+        ) {
+            let planes: [Vec<f32>; 4] = core::array::from_fn(|c| values.iter().map(|v| v[c]).collect());
+            let planes: [&[f32]; 4] = core::array::from_fn(|c| &planes[c][..]);
+            let footprint = Footprint { kernel: Kernel::Bilinear, radius_x: 1.0, radius_y: 1.0 };
+            let [together, apart] = [Some(&values[..]), None].map(|pixels| {
+                let window = Window { planes: &planes, pixels, offset: 0, stride: SIZE, width: SIZE, height: SIZE };
+                let mut out = [[0.0; LANES]; 4];
+                window.sample(footprint, &x, &y, &mut out);
+                out.map(|lane| lane.map(f32::to_bits))
+            });
+            prop_assert_eq!(together, apart);
         }
 
         #[test]

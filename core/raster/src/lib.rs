@@ -12,8 +12,10 @@ pub mod edge;
 pub mod file;
 pub mod kernel;
 pub mod open;
+pub mod power;
 pub mod reduce;
 pub mod tile;
+pub mod vector;
 pub mod warp;
 pub mod worldfile;
 pub mod write;
@@ -32,4 +34,4 @@ mod tileset;
 
 pub use block::{Bands, Block};
 pub use file::{Cancel, PixelRect, RasterFile, RasterInfo};
-pub use tile::{Normal, Sample, SampleType, Tile};
+pub use tile::{Normal, Sample, SampleType, Tile, TileBuilder};

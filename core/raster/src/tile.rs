@@ -1,5 +1,6 @@
 //! Tiles: immutable, shared squares of stored samples, as caches keep them and GPUs take them.
 
+mod builder;
 mod stored;
 
 use std::sync::Arc;
@@ -7,7 +8,9 @@ use std::sync::Arc;
 use half::f16;
 use relievo_planet::TILE_SAMPLES;
 
+use crate::vector::on_widest;
 use crate::{Bands, Block, colour};
+pub use builder::TileBuilder;
 
 /// Samples of a tile.
 const AREA: usize = (TILE_SAMPLES * TILE_SAMPLES) as usize;
@@ -99,48 +102,16 @@ impl Tile {
     /// # Panics
     /// If the block has another size or other bands than `to` stores.
     pub fn from_block(block: &Block, to: SampleType) -> Self {
-        assert_eq!(
-            block.samples().len(),
-            AREA * to.bands().planes(),
-            "a block of a tile's size"
-        );
-        assert_eq!(block.bands(), to.bands(), "bands of the sample type");
-        let [p, q, r, s] = core::array::from_fn(|i| block.plane(i.min(to.bands().planes() - 1)));
-        let content = match to {
-            SampleType::Height => shared(AREA, |i| p[i], |a, b| a.to_bits() == b.to_bits())
-                .map_or_else(|v| Content::Uniform(Sample::Height(v)), Content::Height),
-            SampleType::Rgba8 => shared(
-                AREA,
-                |i| [p[i], q[i], r[i], s[i]].map(colour::to_u8),
-                <[u8; 4]>::eq,
-            )
-            .map_or_else(|v| Content::Uniform(Sample::Rgba8(v)), Content::Rgba8),
-            SampleType::Rgba16F => shared(
-                AREA,
-                |i| [p[i], q[i], r[i], s[i]].map(f16::from_f32),
-                <[f16; 4]>::eq,
-            )
-            .map_or_else(|v| Content::Uniform(Sample::Rgba16F(v)), Content::Rgba16F),
-            SampleType::Rgba32F => shared(AREA, |i| [p[i], q[i], r[i], s[i]], <[f32; 4]>::eq)
-                .map_or_else(|v| Content::Uniform(Sample::Rgba32F(v)), Content::Rgba32F),
-            SampleType::Mask => shared(AREA, |i| colour::to_u8(p[i]), u8::eq)
-                .map_or_else(|v| Content::Uniform(Sample::Mask(v)), Content::Mask),
-            SampleType::Normal => shared(AREA, |i| [p[i], q[i]].map(f16::from_f32), <[f16; 2]>::eq)
-                .map_or_else(|v| Content::Uniform(Sample::Normal(v)), Content::Normal),
-        };
-        let height_range_m = (to == SampleType::Height).then(|| range(p)).flatten();
-        Self {
-            content,
-            height_range_m,
-        }
+        let mut builder = TileBuilder::new(to);
+        builder.push(block);
+        builder.finish()
     }
 
     /// A tile with the same sample everywhere.
     pub fn uniform(sample: Sample) -> Self {
-        let height_range_m = if let Sample::Height(h) = sample {
-            range(&[h])
-        } else {
-            None
+        let height_range_m = match sample {
+            Sample::Height(h) if !h.is_nan() => Some((h, h)),
+            _ => None,
         };
         Self {
             content: Content::Uniform(sample),
@@ -234,10 +205,18 @@ impl Tile {
             from.0 + size.0 <= side && from.1 + size.1 <= side,
             "a rectangle of the tile"
         );
-        let width = out.width();
-        for y in 0..size.1 {
-            let (s, d) = ((from.1 + y) * side + from.0, (to.1 + y) * width + to.0);
-            let (source, target) = (s..s + size.0, d..d + size.0);
+        // Rows as wide as both are one run.
+        let (length, runs) = if size.0 == side && out.width() == side {
+            (size.0 * size.1, size.1.min(1))
+        } else {
+            size
+        };
+        for y in 0..runs {
+            let (s, d) = (
+                (from.1 + y) * side + from.0,
+                (to.1 + y) * out.width() + to.0,
+            );
+            let (source, target) = (s..s + length, d..d + length);
             match &self.content {
                 Content::Uniform(sample) => {
                     for (plane, v) in working(*sample)
@@ -250,7 +229,11 @@ impl Tile {
                 }
                 Content::Height(t) => out.plane_mut(0)[target].copy_from_slice(&t[source]),
                 Content::Mask(t) => spread(&t[source], target, out, |v| [colour::from_u8(v)]),
-                Content::Rgba8(t) => spread(&t[source], target, out, |v| v.map(colour::from_u8)),
+                Content::Rgba8(t) => spread(&t[source], target, out, |v| {
+                    // Bytes of a number are shifts, which vectors have.
+                    let v = u32::from_le_bytes(v);
+                    [v, v >> 8, v >> 16, v >> 24].map(|v| colour::from_u8(v as u8))
+                }),
                 Content::Rgba16F(t) => spread(&t[source], target, out, |v| v.map(f16::to_f32)),
                 Content::Rgba32F(t) => spread(&t[source], target, out, |v| v),
                 Content::Normal(t) => spread(&t[source], target, out, |v| v.map(f16::to_f32)),
@@ -271,37 +254,32 @@ fn working(sample: Sample) -> [f32; 4] {
     }
 }
 
+/// Samples as working values into planes.
 fn spread<T: Copy, const N: usize>(
     source: &[T],
     target: core::ops::Range<usize>,
     out: &mut Block,
     working: impl Fn(T) -> [f32; N],
 ) {
-    let planes: [&mut [f32]; N] = out.planes_mut();
-    for (i, v) in target.zip(source) {
-        for (plane, w) in working(*v).into_iter().enumerate() {
-            planes[plane][i] = w;
-        }
-    }
-}
-
-/// `Ok` with all samples shared, or `Err` with the one that they all equal.
-fn shared<T: Copy>(
-    count: usize,
-    sample: impl Fn(usize) -> T,
-    same: impl Fn(&T, &T) -> bool,
-) -> Result<Arc<[T]>, T> {
-    let first = sample(0);
-    if (1..count).all(|i| same(&sample(i), &first)) {
-        return Err(first);
-    }
-    Ok((0..count).map(sample).collect())
-}
-
-fn range(heights: &[f32]) -> Option<(f32, f32)> {
-    // min and max ignore a NaN operand.
-    let (low, high) = heights
-        .iter()
-        .fold((f32::NAN, f32::NAN), |(l, h), v| (l.min(*v), h.max(*v)));
-    (!low.is_nan()).then_some((low, high))
+    /// Samples that are spread together: memory of their own shows the compiler that planes are
+    /// not among the source.
+    const CHUNK: usize = 64;
+    let mut planes: [&mut [f32]; N] = out.planes_mut().map(|plane| &mut plane[target.clone()]);
+    on_widest(
+        #[inline(always)]
+        || {
+            for (k, source) in source.chunks(CHUNK).enumerate() {
+                let mut values = [[0.0_f32; CHUNK]; N];
+                for (i, v) in source.iter().enumerate() {
+                    let v = working(*v);
+                    for (values, v) in values.iter_mut().zip(v) {
+                        values[i % CHUNK] = v;
+                    }
+                }
+                for (plane, values) in planes.iter_mut().zip(&values) {
+                    plane[k * CHUNK..][..source.len()].copy_from_slice(&values[..source.len()]);
+                }
+            }
+        },
+    );
 }

@@ -23,7 +23,8 @@ use relievo_planet::{Grid, MapPoint, Planet, SampleRect};
 
 use crate::file::{Cancel, RasterFile, ReadError};
 pub use crate::kernel::Kernel;
-use crate::kernel::Window;
+use crate::kernel::{LANES, Lane, Window};
+use crate::vector::on_widest;
 use crate::{Bands, Block, colour};
 use cells::{Geometry, Patch};
 use plane::SourcePlane;
@@ -146,6 +147,11 @@ impl Warp {
         ]
     }
 
+    /// Whether all pixels have the same size in metres.
+    pub(crate) fn pixels_are_alike(&self) -> bool {
+        !self.source.crs.is_geographic()
+    }
+
     /// Width and height in metres of a pixel of the full image's row `row` (continuous).
     pub(crate) fn pixel_size_m(&self, row: f64) -> [f64; 2] {
         let m = self.source.plane_from_pixel.matrix2;
@@ -176,18 +182,16 @@ impl Warp {
             let in_patch = (part.min - patch.rect.min).as_usizevec2();
             let to = (part.min - grid.rect.min).as_usizevec2();
             let width = part.width() as usize;
-            let mut x = [0.0_f32; cells::NODE as usize];
-            let mut y = x;
+            let (mut x, mut y): (Lane, Lane) = ([0.0; LANES], [0.0; LANES]);
             for row in 0..part.height() as usize {
-                let (x, y) = (&mut x[..width], &mut y[..width]);
                 patch.places.row(
                     patch.rect.width() as usize,
                     in_patch.x,
                     in_patch.y + row,
-                    x,
-                    y,
+                    &mut x,
+                    &mut y,
                 );
-                for (i, (x, y)) in x.iter().zip(&*y).enumerate() {
+                for (i, (x, y)) in x.iter().zip(&y).enumerate().take(width) {
                     let place =
                         DVec2::new(f64::from(*x), f64::from(*y)) + patch.window.min.as_dvec2();
                     let sample = (to.y + row) * grid.rect.width() as usize + to.x + i;
@@ -286,75 +290,91 @@ impl Warp {
             scratch,
             cancel,
         )?;
-        for patch in patches {
-            sample_patch(patch, &union, scratch, rect, out);
-        }
+        let magnifies = |p: &Patch| p.footprint.radius_x <= 1.0 && p.footprint.radius_y <= 1.0;
+        let fetched_together =
+            self.mixes() && self.kernel == Kernel::Bilinear && patches.iter().any(magnifies);
+        let pixels = fetched_together.then(|| pixels(scratch));
+        on_widest(
+            #[inline(always)]
+            || {
+                for patch in patches {
+                    sample_patch(patch, &union, scratch, pixels.as_deref(), rect, out);
+                }
+            },
+        );
         Ok(())
     }
 }
 
+/// The samples of a block of colours side by side.
+fn pixels(block: &Block) -> Vec<[f32; 4]> {
+    let [r, g, b, a] = core::array::from_fn(|plane| block.plane(plane));
+    (r.iter().zip(g))
+        .zip(b.iter().zip(a))
+        .map(|((r, g), (b, a))| [*r, *g, *b, *a])
+        .collect()
+}
+
 /// Evaluates the part of a patch in `rect` from the window that was read.
+#[inline(always)]
 fn sample_patch(
     patch: &Patch,
     read: &SampleRect,
     window: &Block,
+    pixels: Option<&[[f32; 4]]>,
     rect: &SampleRect,
     out: &mut Block,
 ) {
     let part = patch.rect.intersection(rect);
     let corner = patch.window.min - read.min;
-    let planes: [&[f32]; 4] =
-        core::array::from_fn(|i| window.plane(i.min(window.bands().planes() - 1)));
+    let bands = window.bands().planes();
+    let planes: [&[f32]; 4] = core::array::from_fn(|i| window.plane(i.min(bands - 1)));
     let view = Window {
-        planes: &planes[..window.bands().planes()],
+        planes: &planes[..bands],
+        pixels,
         offset: corner.y as usize * window.width() + corner.x as usize,
         stride: window.width(),
         width: patch.window.width() as usize,
         height: patch.window.height() as usize,
     };
     let width = part.width() as usize;
-    let mut x = [0.0_f32; cells::NODE as usize];
-    let mut y = x;
-    let (x, y) = (&mut x[..width], &mut y[..width]);
-    let mut rows = [[0.0_f32; cells::NODE as usize]; 4];
+    let (mut x, mut y): (Lane, Lane) = ([0.0; LANES], [0.0; LANES]);
+    let mut rows = [[0.0_f32; LANES]; 4];
     let in_patch = (part.min - patch.rect.min).as_usizevec2();
     let to = (part.min - rect.min).as_usizevec2();
     let [low, high] = patch.inside;
     let whole = {
         // No sample can lie outside of the source if no corner of the window does.
         let size = [view.width as f32, view.height as f32];
-        low[0] <= 0.0 && low[1] <= 0.0 && high[0] >= size[0] && high[1] >= size[1]
+        low[0] <= 0.0
+            && low[1] <= 0.0
+            && high[0] >= size[0]
+            && high[1] >= size[1]
+            && matches!(patch.places, cells::Places::Corners(_))
     };
+    let out_width = out.width();
     for row in 0..part.height() as usize {
         patch.places.row(
             patch.rect.width() as usize,
             in_patch.x,
             in_patch.y + row,
-            x,
-            y,
+            &mut x,
+            &mut y,
         );
-        {
-            let mut targets = rows.each_mut().map(|r| &mut r[..width]);
-            view.sample_row(
-                patch.footprint,
-                x,
-                y,
-                &mut targets[..window.bands().planes()],
-            );
-        }
-        let is_inside =
-            |i: usize| (low[0]..=high[0]).contains(&x[i]) && (low[1]..=high[1]).contains(&y[i]);
-        let out_width = out.width();
-        for (plane, samples) in rows.iter().enumerate().take(window.bands().planes()) {
-            let at = (to.y + row) * out_width + to.x;
+        view.sample(patch.footprint, &x, &y, &mut rows[..bands]);
+        let at = (to.y + row) * out_width + to.x;
+        for (plane, samples) in rows.iter().enumerate().take(bands) {
             let target = &mut out.plane_mut(plane)[at..at + width];
-            if whole && matches!(patch.places, cells::Places::Corners(_)) {
-                target.copy_from_slice(&samples[..width]);
+            if whole {
+                match target.first_chunk_mut() {
+                    Some(all) => *all = *samples,
+                    None => target.copy_from_slice(&samples[..width]),
+                }
             } else {
                 for (i, (v, s)) in target.iter_mut().zip(samples).enumerate() {
-                    if is_inside(i) {
-                        *v = *s;
-                    }
+                    let inside =
+                        (low[0] <= x[i]) & (x[i] <= high[0]) & (low[1] <= y[i]) & (y[i] <= high[1]);
+                    *v = if inside { *s } else { *v };
                 }
             }
         }

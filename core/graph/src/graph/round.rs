@@ -1,6 +1,7 @@
 //! Rounding at cut points: a block holds exactly what its tile would give back.
 
 use half::f16;
+use relievo_raster::vector::on_widest;
 use relievo_raster::{Block, Sample, SampleType, colour};
 
 /// Rounds a block to what `to` stores. Idempotent; zeros and NaNs become the one of their kind, and
@@ -42,15 +43,35 @@ const SMALLEST_HALF: f32 = 1.0 / 16_777_216.0;
 
 /// Makes colours 0 as a whole where alpha does not stay.
 fn transparent(block: &mut Block, stays: impl Fn(f32) -> bool) {
+    /// Samples that are looked through at once.
+    const CHUNK: usize = 64;
     let [r, g, b, a] = block.planes_mut();
-    for plane in [r, g, b] {
-        for (v, a) in plane.iter_mut().zip(a.iter()) {
-            *v = if stays(*a) { *v + 0.0 } else { 0.0 };
-        }
-    }
-    for a in a {
-        *a = if stays(*a) { *a } else { 0.0 };
-    }
+    on_widest(
+        #[inline(always)]
+        || {
+            let planes = (r.chunks_mut(CHUNK).zip(g.chunks_mut(CHUNK)))
+                .zip(b.chunks_mut(CHUNK).zip(a.chunks_mut(CHUNK)));
+            for ((r, g), (b, a)) in planes {
+                let all_stay = a.iter().fold(true, |all, a| all & stays(*a));
+                for plane in [r, g, b] {
+                    if all_stay {
+                        for v in plane {
+                            *v += 0.0;
+                        }
+                    } else {
+                        for (v, a) in plane.iter_mut().zip(&*a) {
+                            *v = if stays(*a) { *v + 0.0 } else { 0.0 };
+                        }
+                    }
+                }
+                if !all_stay {
+                    for a in a {
+                        *a = if stays(*a) { *a } else { 0.0 };
+                    }
+                }
+            }
+        },
+    );
 }
 
 fn each(samples: &mut [f32], round: impl Fn(f32) -> f32) {

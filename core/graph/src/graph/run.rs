@@ -1,10 +1,11 @@
-//! Makes samples: runs of pointwise nodes strip by strip, everything else as a whole.
+//! Makes samples: runs of pointwise nodes strip by strip, from what they read to where the result is
+//! kept; everything else as a whole.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use relievo_planet::SampleRect;
-use relievo_raster::{Bands, Block, Cancel, Tile};
+use relievo_raster::{Bands, Block, Cancel, SampleType, Tile, TileBuilder};
 
 use super::resolve::{Resolver, Source};
 use super::{NodeIndex, TileInputs, round};
@@ -57,6 +58,28 @@ impl<'a> Maker<'a> {
         }
     }
 
+    /// The tile of `source` on a place of a tile's size, stored as `to`.
+    pub(super) fn make_tile(
+        &mut self,
+        source: Source,
+        to: SampleType,
+        at: usize,
+    ) -> Result<Tile, RenderError> {
+        if let Source::Raw(root) = source
+            && !self.is_made_whole(root)
+        {
+            let mut builder = TileBuilder::new(to);
+            self.run(root, at, |_, strip| {
+                round::before_storing(strip, to);
+                builder.push(strip);
+            })?;
+            return Ok(builder.finish());
+        }
+        let mut block = self.make(source, to.bands(), at)?;
+        round::before_storing(&mut block, to);
+        Ok(Tile::from_block(&block, to))
+    }
+
     /// The samples of `source` on a place.
     pub(super) fn make(
         &mut self,
@@ -90,7 +113,15 @@ impl<'a> Maker<'a> {
                 })
             }
             Source::Raw(root) if self.is_made_whole(root) => self.render_whole(root, at),
-            Source::Raw(root) => self.run(root, at),
+            Source::Raw(root) => {
+                let (width, height) = size(&self.resolver.rect(at));
+                let mut out = Block::new(bands, width, height);
+                self.run(root, at, |first, strip| {
+                    let all = (strip.width(), strip.height());
+                    out.copy_from(strip, (0, 0), (0, first), all);
+                })?;
+                Ok(out)
+            }
         }
     }
 
@@ -173,13 +204,18 @@ impl<'a> Maker<'a> {
         Ok(out)
     }
 
-    /// A run of pointwise nodes that ends in `root`.
-    fn run(&mut self, root: NodeIndex, at: usize) -> Result<Block, RenderError> {
+    /// A run of pointwise nodes that ends in `root`: gives strip after strip, each with its first
+    /// row, to `take`.
+    fn run(
+        &mut self,
+        root: NodeIndex,
+        at: usize,
+        mut take: impl FnMut(usize, &mut Block),
+    ) -> Result<(), RenderError> {
         let (steps, bands) = self.plan(root, at)?;
         let registers = Registers::assign(&steps);
         let grid = self.resolver.grid(at);
         let (width, height) = size(&grid.rect);
-        let mut out = Block::new(self.resolver.graph.entry(root).node.output(), width, height);
         let mut blocks: Vec<Block> = (0..registers.count)
             .map(|_| Block::new(Bands::Height, 0, 0))
             .collect();
@@ -231,9 +267,9 @@ impl<'a> Maker<'a> {
                 blocks[registers.of[i]] = block;
             }
             let last = registers.of[steps.len() - 1];
-            out.copy_from(&blocks[last], (0, 0), (0, first), (width, rows));
+            take(first, &mut blocks[last]);
         }
-        Ok(out)
+        Ok(())
     }
 
     /// Steps of a run, inputs first and each once, and their bands.

@@ -1,18 +1,15 @@
 //! Brightness, contrast, hue, saturation, gamma, gain and offset of colours.
 
-mod power;
-
 use relievo_planet::Grid;
+use relievo_raster::power::power;
+use relievo_raster::vector::on_widest;
 use relievo_raster::{Bands, Block};
 
+use super::lanes::{self, Colours, LANES};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
-use power::power;
 
 /// Rec. 709 weights of red, green and blue in luma.
 const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
-
-/// Samples that are worked on together.
-const LANES: usize = 16;
 
 /// What to adjust; the default changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,24 +111,39 @@ impl Adjust {
         self.exponent == 1.0 && self.matrix == IDENTITY.map(|row| row.map(|v| v as f32))
     }
 
-    #[inline]
+    #[inline(always)]
     fn channel(&self, row: usize, rgb: [f32; 3]) -> f32 {
         let m = &self.matrix[row];
         m[0] * rgb[0] + m[1] * rgb[1] + m[2] * rgb[2] + m[3]
     }
 
-    /// One channel of some colours.
-    #[inline]
-    fn adjust(
-        &self,
-        row: usize,
-        [r, g, b, a]: [&[f32; LANES]; 4],
-        out: &mut [f32; LANES],
-        last: impl Fn(f32) -> f32,
-    ) {
-        for (l, v) in out.iter_mut().enumerate() {
-            let adjusted = last(self.channel(row, [r[l], g[l], b[l]]));
-            *v = if a[l] > 0.0 { adjusted } else { 0.0 };
+    /// Some colours; `last` makes the last step of each channel.
+    #[inline(always)]
+    fn adjust_lanes(&self, colours: &mut Colours, last: impl Fn(f32) -> f32) {
+        let [r, g, b, a] = *colours;
+        for (row, out) in colours.iter_mut().take(3).enumerate() {
+            for (l, v) in out.iter_mut().enumerate() {
+                let adjusted = last(self.channel(row, [r[l], g[l], b[l]]));
+                *v = if a[l] > 0.0 { adjusted } else { 0.0 };
+            }
+        }
+    }
+
+    /// All samples of planes.
+    #[inline(always)]
+    fn adjust_planes(&self, planes: [&[f32]; 4], out: &mut [&mut [f32]; 4]) {
+        let mut colours = [[0.0; LANES]; 4];
+        for first in (0..planes[0].len()).step_by(LANES) {
+            // What lies beyond the last sample is left over from before and written nowhere.
+            lanes::read(planes, first, &mut colours);
+            if self.exponent == 1.0 {
+                self.adjust_lanes(&mut colours, |v| v);
+            } else {
+                self.adjust_lanes(&mut colours, |v| power(v, self.exponent));
+            }
+            for (plane, lanes) in out.iter_mut().zip(&colours) {
+                lanes::write(lanes, plane, first);
+            }
         }
     }
 
@@ -227,34 +239,12 @@ impl ImageNode for Adjust {
     }
 
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        let planes: [&[f32]; 4] = core::array::from_fn(|plane| inputs[0].plane(plane));
+        let planes = lanes::planes(inputs[0]);
         let mut out: [&mut [f32]; 4] = out.planes_mut();
-        out[3].copy_from_slice(planes[3]);
-        // Whole lanes at a time, so that the loops inside have a fixed length and run on vectors.
-        let whole = planes[0].len() / LANES * LANES;
-        for first in (0..whole).step_by(LANES) {
-            let lanes: [&[f32; LANES]; 4] = planes.map(|plane| {
-                plane[first..]
-                    .first_chunk()
-                    .expect("as many samples are left")
-            });
-            for (row, plane) in out.iter_mut().take(3).enumerate() {
-                let out = plane[first..]
-                    .first_chunk_mut()
-                    .expect("as many samples are left");
-                if self.exponent == 1.0 {
-                    self.adjust(row, lanes, out, |v| v);
-                } else {
-                    self.adjust(row, lanes, out, |v| power(v, self.exponent));
-                }
-            }
-        }
-        for i in whole..planes[0].len() {
-            let rgba = self.colour(planes.map(|plane| plane[i]));
-            for (plane, v) in out.iter_mut().take(3).zip(rgba) {
-                plane[i] = v;
-            }
-        }
+        on_widest(
+            #[inline(always)]
+            || self.adjust_planes(planes, &mut out),
+        );
         Ok(())
     }
 }

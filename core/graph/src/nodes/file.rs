@@ -129,6 +129,10 @@ impl ImageNode for FileSource {
         "file"
     }
 
+    fn version(&self) -> u32 {
+        2
+    }
+
     fn output(&self) -> Bands {
         self.warp.file().info().bands
     }

@@ -4,10 +4,11 @@ mod simplex;
 
 use glam::{DVec2, I64Vec2};
 use relievo_planet::{Grid, GridCrs, Planet};
+use relievo_raster::vector::on_widest;
 use relievo_raster::{Bands, Block};
 
 use super::ground::Ground;
-use super::light::{LANES, Lanes};
+use super::lanes::{LANES, Lanes};
 use super::memory::add_grid;
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 use simplex::simplex;
@@ -133,7 +134,8 @@ impl Noise {
     }
 
     /// Adds an octave to heights in metres.
-    fn add(&self, octave: &Octave, unit: &Units, amplitude_m: &Lanes, height_m: &mut Lanes) {
+    #[inline(always)]
+    fn add_lanes(&self, octave: &Octave, unit: &Units, amplitude_m: &Lanes, height_m: &mut Lanes) {
         let mut noise = [0.0; LANES];
         simplex(unit, octave.scale, octave.seed, &mut noise);
         if self.params.ridged {
@@ -144,6 +146,14 @@ impl Noise {
         for ((h, n), a) in height_m.iter_mut().zip(&noise).zip(amplitude_m) {
             *h += *a * *n;
         }
+    }
+
+    /// [`Self::add_lanes`] on the widest vectors.
+    fn add(&self, octave: &Octave, unit: &Units, amplitude_m: &Lanes, height_m: &mut Lanes) {
+        on_widest(
+            #[inline(always)]
+            || self.add_lanes(octave, unit, amplitude_m, height_m),
+        );
     }
 
     fn render_map(&self, job: &Job, out: &mut Block) -> Result<(), RenderError> {

@@ -2,6 +2,7 @@
 
 use glam::I64Vec2;
 use relievo_planet::{Grid, GridCrs, Planet, SampleRect};
+use relievo_raster::vector::on_widest;
 use relievo_raster::{Bands, Block};
 
 use super::ground::Ground;
@@ -44,7 +45,7 @@ impl Normals {
 }
 
 /// Mean difference of a sample to the neighbours before and after it.
-#[inline]
+#[inline(always)]
 fn difference(before: f32, here: f32, after: f32) -> f32 {
     let both = (after - before) * 0.5;
     let (ahead, behind) = (after - here, here - before);
@@ -53,7 +54,7 @@ fn difference(before: f32, here: f32, after: f32) -> f32 {
     if any.is_nan() { 0.0 } else { any }
 }
 
-#[inline]
+#[inline(always)]
 fn normal(zx: f32, zy: f32) -> (f32, f32) {
     // The steepest finite slopes must not overflow to NaN.
     let (zx, zy) = (zx.clamp(-1e18, 1e18), zy.clamp(-1e18, 1e18));
@@ -70,7 +71,7 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     /// Calls `each` with the differences to the east and to the south.
-    #[inline]
+    #[inline(always)]
     fn differences(
         &self,
         east: &mut [f32],
@@ -167,9 +168,14 @@ impl ImageNode for Normals {
                 let step_m = self.planet.metres_per_radian(colat_rad) * lattice.step;
                 let per_x = (self.exaggeration / step_m.x) as f32;
                 let per_y = (-self.exaggeration / step_m.y) as f32;
-                rows.differences(east, north, |across, down| {
-                    normal(across * per_x, down * per_y)
-                });
+                on_widest(
+                    #[inline(always)]
+                    || {
+                        rows.differences(east, north, |across, down| {
+                            normal(across * per_x, down * per_y)
+                        });
+                    },
+                );
             } else {
                 rows.differences(east, north, |across, down| (across, down));
                 for (i, (east, north)) in east.iter_mut().zip(north).enumerate() {
@@ -249,6 +255,34 @@ mod tests {
         });
         for (e, n) in out.plane(0).iter().zip(out.plane(1)) {
             assert!((e + 0.6).abs() < 1e-3 && n.abs() < 1e-6, "{e} {n}");
+        }
+    }
+
+    #[test]
+    fn rows_agree_with_single_samples_to_the_bit() {
+        let height = |x: i64, y: i64| match (x * 7 + y * 13) % 11 {
+            0 => f32::NAN,
+            k => k as f32 * 37.5 + x as f32,
+        };
+        let lattice = LevelKey::new(10, 9).lattice();
+        let (rect, step) = (SampleRect::at(5, 60_000, 83, 3), lattice.step);
+        let out = normals(lattice.clone(), rect, height);
+        for (i, (e, n)) in out.plane(0).iter().zip(out.plane(1)).enumerate() {
+            let (x, y) = (5 + i as i64 % 83, 60_000 + i as i64 / 83);
+            let colat = lattice.map_point(I64Vec2::new(0, y)).colat_rad;
+            let step_m = Planet::EARTH.metres_per_radian(colat) * step;
+            let across = difference(height(x - 1, y), height(x, y), height(x + 1, y));
+            let down = difference(height(x, y - 1), height(x, y), height(x, y + 1));
+            let (zx, zy) = (
+                across * (1.0 / step_m.x) as f32,
+                down * (-1.0 / step_m.y) as f32,
+            );
+            let (east, north) = normal(zx, zy);
+            assert_eq!(
+                (e.to_bits(), n.to_bits()),
+                (east.to_bits(), north.to_bits()),
+                "{i}"
+            );
         }
     }
 

@@ -1,10 +1,11 @@
 //! Colours over colours.
 
 use relievo_planet::Grid;
-use relievo_raster::colour::Transfer;
+use relievo_raster::colour::{decode_each, encode_each, linear_from_srgb, srgb_from_linear};
+use relievo_raster::vector::on_widest;
 use relievo_raster::{Bands, Block};
 
-use super::light::{LANES, Lanes, Light};
+use super::lanes::{self, Colours, LANES, Lanes};
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
 
 /// How the colours of two layers meet, before they are mixed by alpha.
@@ -27,7 +28,7 @@ impl BlendMode {
     /// B(base, top) of one channel of straight, display-referred values.
     ///
     /// Source: W3C Compositing and Blending Level 1, 9.1; `Add` is the plain sum.
-    #[inline]
+    #[inline(always)]
     fn blend(self, base: f32, top: f32) -> f32 {
         match self {
             Self::Normal => top,
@@ -93,7 +94,7 @@ impl Overlay {
     }
 
     /// One sample.
-    fn composite(self, transfer: Transfer, base: [f32; 4], top: [f32; 4], weight: f32) -> [f32; 4] {
+    fn composite(self, base: [f32; 4], top: [f32; 4], weight: f32) -> [f32; 4] {
         let [br, bg, bb, ab] = base;
         let at = top[3] * weight;
         if at <= 0.0 || at.is_nan() {
@@ -110,121 +111,160 @@ impl Overlay {
         }
         let alpha = if ab >= 1.0 { ab } else { at + ab * (1.0 - at) };
         let [r, g, b] = channels.map(|(b, t)| {
-            let top = transfer.decode(t);
+            let top = linear_from_srgb(t);
             let met = if self.mode == BlendMode::Normal {
                 top
             } else {
-                let blended = transfer.decode(self.mode.blend(b, t));
+                let blended = linear_from_srgb(self.mode.blend(b, t));
                 top + ab * (blended - top)
             };
-            transfer.encode((at * met + (1.0 - at) * ab * transfer.decode(b)) / alpha)
+            srgb_from_linear((at * met + (1.0 - at) * ab * linear_from_srgb(b)) / alpha)
         });
         [r, g, b, alpha]
     }
 }
 
-/// Some samples: red, green, blue, alpha.
-type Colours = [Lanes; 4];
+/// For each of some samples all bits, or none.
+type Mask = [u32; LANES];
 
-/// Which inputs decide a sample, in the order in which [`Overlay::composite`] asks.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Decides {
-    Base,
-    Top,
-    /// B of both.
-    Blend,
-    /// A mixture in linear light.
-    Mix,
+/// The samples of which something is so.
+#[inline(always)]
+fn those(is_so: impl Fn(usize) -> bool) -> Mask {
+    core::array::from_fn(|l| if is_so(l) { u32::MAX } else { 0 })
+}
+
+/// Whether it is so of all. Not short-circuited, so that it runs on vectors.
+#[inline(always)]
+fn all(mask: &Mask) -> bool {
+    mask.iter().fold(u32::MAX, |all, m| all & m) == u32::MAX
+}
+
+/// Whether it is so of none.
+#[inline(always)]
+fn none(mask: &Mask) -> bool {
+    mask.iter().fold(0, |any, m| any | m) == 0
+}
+
+/// One of two values, by bits: of a choice between values in memory the compiler would make a choice
+/// between places in memory, which no vector can follow.
+#[inline(always)]
+fn choose(mask: u32, yes: f32, no: f32) -> f32 {
+    f32::from_bits((yes.to_bits() & mask) | (no.to_bits() & !mask))
 }
 
 impl Overlay {
-    #[inline]
-    fn decides(self, top_alpha: f32, base_alpha: f32) -> Decides {
-        let shown = top_alpha > 0.0;
-        let hides = base_alpha <= 0.0 || (top_alpha >= 1.0 && self.mode == BlendMode::Normal);
-        let full = top_alpha >= 1.0 && base_alpha >= 1.0;
-        let over = if full { Decides::Blend } else { Decides::Mix };
-        let over = if hides { Decides::Top } else { over };
-        if shown { over } else { Decides::Base }
-    }
-
     /// [`Self::composite`] of some samples, the same bits: `base` becomes the result.
-    fn composite_lanes(self, light: &Light, base: &mut Colours, top: &Colours, weight: &Lanes) {
+    #[inline(always)]
+    fn composite_lanes(self, base: &mut Colours, top: &Colours, weight: &Lanes) {
+        let normal = self.mode == BlendMode::Normal;
         let mut alpha_t = top[3];
         for (a, w) in alpha_t.iter_mut().zip(weight) {
             *a *= w;
         }
-        let decides: [Decides; LANES] =
-            core::array::from_fn(|l| self.decides(alpha_t[l], base[3][l]));
-        let all = |one| decides.iter().all(|d| *d == one);
-        if all(Decides::Base) {
+        let alpha_b = base[3];
+        // In the order in which `composite` asks: who decides a sample.
+        let shows = those(|l| alpha_t[l] > 0.0);
+        if none(&shows) {
             return;
         }
-        if all(Decides::Top) {
+        let hides =
+            those(|l| (shows[l] != 0) & ((alpha_b[l] <= 0.0) | (normal & (alpha_t[l] >= 1.0))));
+        if all(&hides) {
             base[..3].copy_from_slice(&top[..3]);
             base[3] = alpha_t;
             return;
         }
-        let mixes = decides.contains(&Decides::Mix);
-        let alpha_b = base[3];
-        for l in 0..LANES {
+        let blends = those(|l| (alpha_t[l] >= 1.0) & (alpha_b[l] >= 1.0) & (hides[l] == 0));
+        let mixes: Mask = core::array::from_fn(|l| shows[l] & !hides[l] & !blends[l]);
+
+        let over_opaque = all(&those(|l| alpha_b[l] == 1.0));
+        for (l, alpha) in base[3].iter_mut().enumerate() {
             let (at, ab) = (alpha_t[l], alpha_b[l]);
-            let mixed = if ab >= 1.0 { ab } else { at + ab * (1.0 - at) };
-            base[3][l] = match decides[l] {
-                Decides::Base => ab,
-                Decides::Top | Decides::Blend => at,
-                Decides::Mix => mixed,
-            };
+            let mixed = at + ab * (1.0 - at);
+            let mixed = if ab >= 1.0 { ab } else { mixed };
+            *alpha = choose(mixes[l], mixed, choose(shows[l], at, ab));
         }
         let alpha = base[3];
+        let (only_mixes, any_mixes) = (all(&mixes), !none(&mixes));
         for (base, top) in base.iter_mut().zip(top).take(3) {
-            let mut mixed = self.blend_lanes(base, top);
-            let blended = mixed;
-            if mixes {
+            let blended = self.blend_lanes(base, top);
+            let mut mixed = blended;
+            if any_mixes {
                 let (mut light_b, mut light_t) = (*base, *top);
-                light.decode(&mut light_b);
-                light.decode(&mut light_t);
-                if self.mode != BlendMode::Normal {
-                    light.decode(&mut mixed);
+                decode_each(&mut light_b);
+                decode_each(&mut light_t);
+                if !normal {
+                    decode_each(&mut mixed);
                     for l in 0..LANES {
                         light_t[l] += alpha_b[l] * (mixed[l] - light_t[l]);
                     }
                 }
                 for l in 0..LANES {
                     let at = alpha_t[l];
-                    let sum = at * light_t[l] + (1.0 - at) * alpha_b[l] * light_b[l];
-                    // What is not mixed would only be slow to encode.
-                    mixed[l] = if decides[l] == Decides::Mix {
-                        sum / alpha[l]
-                    } else {
-                        0.0
-                    };
+                    mixed[l] = at * light_t[l] + (1.0 - at) * alpha_b[l] * light_b[l];
                 }
-                light.encode(&mut mixed);
+                // Divided by 1 it stays what it is.
+                if !over_opaque {
+                    for l in 0..LANES {
+                        mixed[l] /= alpha[l];
+                    }
+                }
+                encode_each(&mut mixed);
             }
-            for l in 0..LANES {
-                base[l] = match decides[l] {
-                    Decides::Base => base[l],
-                    Decides::Top => top[l],
-                    Decides::Blend => blended[l],
-                    Decides::Mix => mixed[l],
-                };
+            if only_mixes {
+                *base = mixed;
+            } else {
+                for l in 0..LANES {
+                    let over = choose(blends[l], blended[l], mixed[l]);
+                    let over = choose(hides[l], top[l], over);
+                    base[l] = choose(shows[l], over, base[l]);
+                }
             }
         }
     }
 
     /// B of one channel of some samples.
+    #[inline(always)]
     fn blend_lanes(self, base: &Lanes, top: &Lanes) -> Lanes {
-        let each = |blend: fn(f32, f32) -> f32| -> Lanes {
-            core::array::from_fn(|l| blend(base[l], top[l]))
-        };
         // Each arm is a loop of its own.
         match self.mode {
             BlendMode::Normal => *top,
-            BlendMode::Multiply => each(|b, t| BlendMode::Multiply.blend(b, t)),
-            BlendMode::Add => each(|b, t| BlendMode::Add.blend(b, t)),
-            BlendMode::Screen => each(|b, t| BlendMode::Screen.blend(b, t)),
-            BlendMode::Overlay => each(|b, t| BlendMode::Overlay.blend(b, t)),
+            BlendMode::Multiply => {
+                core::array::from_fn(|l| BlendMode::Multiply.blend(base[l], top[l]))
+            }
+            BlendMode::Add => core::array::from_fn(|l| BlendMode::Add.blend(base[l], top[l])),
+            BlendMode::Screen => core::array::from_fn(|l| BlendMode::Screen.blend(base[l], top[l])),
+            BlendMode::Overlay => {
+                core::array::from_fn(|l| BlendMode::Overlay.blend(base[l], top[l]))
+            }
+        }
+    }
+
+    /// All samples of planes.
+    #[inline(always)]
+    fn composite_planes(
+        self,
+        base_planes: [&[f32]; 4],
+        top_planes: [&[f32]; 4],
+        mask: Option<&[f32]>,
+        out: &mut [&mut [f32]; 4],
+    ) {
+        let [mut base, mut top]: [Colours; 2] = [[[0.0; LANES]; 4]; 2];
+        let mut weight = [self.opacity; LANES];
+        for first in (0..out[0].len()).step_by(LANES) {
+            // What lies beyond the last sample is left over from before and written nowhere.
+            lanes::read(base_planes, first, &mut base);
+            lanes::read(top_planes, first, &mut top);
+            if let Some(mask) = mask {
+                lanes::copy(&mask[first..], &mut weight);
+                for w in &mut weight {
+                    *w *= self.opacity;
+                }
+            }
+            self.composite_lanes(&mut base, &top, &weight);
+            for (plane, lanes) in out.iter_mut().zip(&base) {
+                lanes::write(lanes, plane, first);
+            }
         }
     }
 }
@@ -237,6 +277,10 @@ pub(crate) fn clamped(weight: f32) -> f32 {
 impl ImageNode for Overlay {
     fn kind(&self) -> &'static str {
         "overlay"
+    }
+
+    fn version(&self) -> u32 {
+        2
     }
 
     fn output(&self) -> Bands {
@@ -262,12 +306,7 @@ impl ImageNode for Overlay {
         if let (Known::Uniform(base), Known::Uniform(top), Some(mask)) =
             (inputs[0], inputs[1], mask)
         {
-            return Known::Uniform(self.composite(
-                Transfer::srgb(),
-                base,
-                top,
-                self.opacity * mask,
-            ));
+            return Known::Uniform(self.composite(base, top, self.opacity * mask));
         }
         let covered = self.opacity == 1.0
             && inputs[1].is_complete(Bands::Colour)
@@ -291,28 +330,13 @@ impl ImageNode for Overlay {
     }
 
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        let light = Light::srgb();
+        let (base, top) = (lanes::planes(inputs[0]), lanes::planes(inputs[1]));
+        let mask = self.masked.then(|| inputs[2].plane(0));
         let mut out: [&mut [f32]; 4] = out.planes_mut();
-        let [mut base, mut top]: [Colours; 2] = [[[0.0; LANES]; 4]; 2];
-        let mut weight = [self.opacity; LANES];
-        for first in (0..out[0].len()).step_by(LANES) {
-            // What lies beyond the last sample is left over from before and written nowhere.
-            let n = LANES.min(out[0].len() - first);
-            for (lanes, input) in [&mut base, &mut top].into_iter().zip(inputs) {
-                for (plane, lanes) in lanes.iter_mut().enumerate() {
-                    lanes[..n].copy_from_slice(&input.plane(plane)[first..first + n]);
-                }
-            }
-            if self.masked {
-                for (w, m) in weight.iter_mut().zip(&inputs[2].plane(0)[first..first + n]) {
-                    *w = self.opacity * m;
-                }
-            }
-            self.composite_lanes(light, &mut base, &top, &weight);
-            for (plane, lanes) in out.iter_mut().zip(&base) {
-                plane[first..first + n].copy_from_slice(&lanes[..n]);
-            }
-        }
+        on_widest(
+            #[inline(always)]
+            || self.composite_planes(base, top, mask, &mut out),
+        );
         Ok(())
     }
 }

@@ -1,10 +1,11 @@
 //! Colours by height: the hypsometric tint.
 
 use relievo_planet::Grid;
-use relievo_raster::colour::{linear_from_srgb, srgb_from_linear};
+use relievo_raster::colour::{encode_each, linear_from_srgb, srgb_from_linear};
+use relievo_raster::vector::on_widest;
 use relievo_raster::{Bands, Block};
 
-use super::light::{LANES, Lanes, Light};
+use super::lanes::{self, Colours, LANES, Lanes};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 
 /// A colour at a height.
@@ -77,26 +78,26 @@ struct Interval {
 
 impl Interval {
     /// Whether the colour at a height is exactly that of the stop below.
-    #[inline]
+    #[inline(always)]
     fn is_exact(&self, height_m: f32) -> bool {
         self.per_m == 0.0 || height_m == self.start_m
     }
 
     /// How far a height is on the way to the stop above, at most 1.
-    #[inline]
+    #[inline(always)]
     fn part(&self, height_m: f32) -> f32 {
         let part = (height_m - self.start_m) * self.per_m;
         if part < 1.0 { part } else { 1.0 }
     }
 
     /// A channel of premultiplied linear light, or alpha, part of the way to the stop above.
-    #[inline]
+    #[inline(always)]
     fn channel(&self, channel: usize, part: f32) -> f32 {
         self.linear[channel] + part * self.change[channel]
     }
 
     /// All channels at a height that is not NaN.
-    #[inline]
+    #[inline(always)]
     fn mixed(&self, height_m: f32) -> [f32; 4] {
         let part = self.part(height_m);
         core::array::from_fn(|c| self.channel(c, part))
@@ -191,7 +192,8 @@ impl Tint {
     }
 
     /// [`Self::colour`] of some samples, the same bits.
-    fn colours(&self, light: &Light, height_m: &Lanes, out: &mut [Lanes; 4]) {
+    #[inline(always)]
+    fn colours(&self, height_m: &Lanes, out: &mut Colours) {
         let mut exact = [false; LANES];
         let mut at = [0_u32; LANES];
         if let Some(only) = self.find_one(height_m) {
@@ -226,7 +228,7 @@ impl Tint {
                         *v = if *a > 0.0 { *v / *a } else { 0.0 };
                     }
                 }
-                light.encode(plane);
+                encode_each(plane);
             }
             if !self.opaque {
                 for l in 0..LANES {
@@ -255,6 +257,7 @@ impl Tint {
     }
 
     /// The interval in which all heights lie, if it is one.
+    #[inline(always)]
     fn find_one(&self, height_m: &Lanes) -> Option<usize> {
         let at = self.heights_m.partition_point(|stop| *stop <= height_m[0]);
         let low = at
@@ -270,6 +273,7 @@ impl Tint {
     }
 
     /// Intervals in which heights lie; NaN lies in the first.
+    #[inline(always)]
     fn find(&self, height_m: &Lanes, at: &mut [u32; LANES]) {
         if self.heights_m.len() <= FEW {
             for stop in &self.heights_m {
@@ -291,7 +295,7 @@ impl ImageNode for Tint {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn output(&self) -> Bands {
@@ -315,19 +319,23 @@ impl ImageNode for Tint {
     }
 
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        let light = Light::srgb();
         let heights = inputs[0].samples();
         let mut out: [&mut [f32]; 4] = out.planes_mut();
-        let mut height_m = [0.0; LANES];
-        let mut colours = [[0.0; LANES]; 4];
-        for (k, heights) in heights.chunks(LANES).enumerate() {
-            let (first, n) = (k * LANES, heights.len());
-            height_m[..n].copy_from_slice(heights);
-            self.colours(light, &height_m, &mut colours);
-            for (plane, lanes) in out.iter_mut().zip(&colours) {
-                plane[first..first + n].copy_from_slice(&lanes[..n]);
-            }
-        }
+        on_widest(
+            #[inline(always)]
+            || {
+                let mut height_m = [0.0; LANES];
+                let mut colours = [[0.0; LANES]; 4];
+                for first in (0..heights.len()).step_by(LANES) {
+                    // What lies beyond the last sample is left over and written nowhere.
+                    lanes::copy(&heights[first..], &mut height_m);
+                    self.colours(&height_m, &mut colours);
+                    for (plane, lanes) in out.iter_mut().zip(&colours) {
+                        lanes::write(lanes, plane, first);
+                    }
+                }
+            },
+        );
         Ok(())
     }
 }

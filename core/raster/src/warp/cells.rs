@@ -13,10 +13,10 @@ use super::plane::{SourcePlane, lonlat_from_plane, plane_from_lonlat};
 use super::window::Scale;
 use crate::crs::Crs;
 use crate::file::OverviewInfo;
-use crate::kernel::{Footprint, Kernel};
+use crate::kernel::{Footprint, Kernel, LANES, Lane};
 
 /// Samples between nodes.
-pub(crate) const NODE: i64 = 16;
+pub(crate) const NODE: i64 = LANES as i64;
 /// Samples along a group of two by two cells.
 const GROUP: i64 = 2 * NODE;
 /// Largest error of interpolated places, in pixels of the level that is read.
@@ -53,25 +53,18 @@ pub(crate) enum Places {
 }
 
 impl Places {
-    /// Places of `width` samples of a row from `column`, both within the patch.
+    /// Places of the samples of a row from `column` on, as many as the patch has; what further
+    /// lanes hold is unspecified.
+    #[inline(always)]
     pub(crate) fn row(
         &self,
         patch_width: usize,
         column: usize,
         row: usize,
-        x: &mut [f32],
-        y: &mut [f32],
+        x: &mut Lane,
+        y: &mut Lane,
     ) {
         const PITCH: f32 = 1.0 / NODE as f32;
-        const STEPS: [f32; NODE as usize] = {
-            let mut steps = [0.0; NODE as usize];
-            let mut i = 1;
-            while i < steps.len() {
-                steps[i] = i as f32;
-                i += 1;
-            }
-            steps
-        };
         match self {
             Self::Corners([nw, ne, sw, se]) => {
                 let v = row as f32 * PITCH;
@@ -79,13 +72,13 @@ impl Places {
                     let west = nw[axis] + (sw[axis] - nw[axis]) * v;
                     let east = ne[axis] + (se[axis] - ne[axis]) * v;
                     let slope = (east - west) * PITCH;
-                    for (place, at) in out.iter_mut().zip(&STEPS[column..]) {
-                        *place = west + slope * at;
+                    for (i, place) in out.iter_mut().enumerate() {
+                        *place = west + slope * ((column + i) as u32 as f32);
                     }
                 }
             }
             Self::Each(places) => {
-                let places = &places[row * patch_width + column..];
+                let places = &places[row * patch_width + column..(row + 1) * patch_width];
                 for ((x, y), place) in x.iter_mut().zip(y).zip(places) {
                     [*x, *y] = *place;
                 }
@@ -376,13 +369,12 @@ impl Geometry<'_> {
                 })
             });
         // Where the kernel's shape changes much within the cell, beside a pole, cells fall apart.
-        let first = self.radii(start, 1.0, change);
-        let last = self.radii(start + (NODE - 1) as f64, 1.0, change);
-        let varies = self.source.is_upright_geographic()
-            && (first / last)
-                .max_element()
-                .max((last / first).max_element())
-                > 1.25;
+        let varies = self.source.is_upright_geographic() && {
+            let first = self.radii(start, 1.0, change);
+            let last = self.radii(start + (NODE - 1) as f64, 1.0, change);
+            let (wider, slimmer) = ((first / last).max_element(), (last / first).max_element());
+            wider.max(slimmer) > 1.25
+        };
         let by_row =
             linear && varies && !matches!(self.target, Target::Projected(_) | Target::Same);
 

@@ -127,6 +127,29 @@ fn senseless_numbers_count_as_defaults() {
 
 proptest! {
     #[test]
+    fn planes_of_any_length_agree_with_single_colours_to_the_bit(
+        samples in prop::collection::vec((prop::array::uniform3(-0.5..2.0_f32), prop_oneof![Just(0.0_f32), Just(1.0), 0.0..1.0_f32]), 1..200),
+        gamma in prop_oneof![Just(1.0), 0.2..4.0_f64], hue_deg in -180.0..180.0_f64,
+    ) {
+        let node = Adjust::new(&AdjustParams { gamma, hue_deg, contrast: 1.3, ..AdjustParams::default() });
+        let mut block = Block::new(Bands::Colour, samples.len(), 1);
+        for (i, (rgb, a)) in samples.iter().enumerate() {
+            for (plane, v) in [rgb[0], rgb[1], rgb[2], *a].into_iter().enumerate() {
+                block.plane_mut(plane)[i] = v;
+            }
+        }
+        let mut out = Block::new(Bands::Colour, samples.len(), 1);
+        let grid = relievo_planet::TileKey::new(relievo_planet::LevelKey::new(1, 0), 0, 0).unwrap().grid();
+        let cancel = relievo_raster::Cancel::default();
+        node.render(&Job { grid: &grid, cancel: &cancel }, &[&block], &mut out).unwrap();
+        for (i, (rgb, a)) in samples.iter().enumerate() {
+            for (plane, v) in node.colour([rgb[0], rgb[1], rgb[2], *a]).into_iter().enumerate() {
+                prop_assert_eq!(out.plane(plane)[i].to_bits(), v.to_bits(), "{:?} {}", rgb, a);
+            }
+        }
+    }
+
+    #[test]
     fn turning_hue_keeps_luma_and_greys_and_adds_up(
         rgb in prop::array::uniform3(0.0..1.0_f32), a in -400.0..400.0_f64, b in -400.0..400.0_f64,
     ) {

@@ -1,6 +1,6 @@
 //! Simplex noise in three dimensions.
 
-use crate::nodes::light::{LANES, Lanes};
+use crate::nodes::lanes::{LANES, Lanes};
 
 /// Brings the largest possible sum of four corners to 1.
 const SCALE: f32 = 76.8;
@@ -32,6 +32,7 @@ struct Place {
 /// Sources: K. Perlin, *Noise hardware* (2001); S. Gustavson, *Simplex noise demystified* (2005). The
 /// falloff radius is √½ instead of √0.6, which keeps it continuous across simplices, and corners
 /// are hashed as integers instead of through a permutation table, so nothing repeats.
+#[inline(always)]
 pub(super) fn simplex(unit: &[[f64; LANES]; 3], scale: f64, seed: u32, noise: &mut Lanes) {
     let mut cell = [[0_u32; LANES]; 3];
     let mut from_corner = [[0.0_f32; LANES]; 3];
@@ -54,7 +55,7 @@ pub(super) fn simplex(unit: &[[f64; LANES]; 3], scale: f64, seed: u32, noise: &m
 }
 
 /// Finds the cell of a place.
-#[inline]
+#[inline(always)]
 fn locate(x: f64, y: f64, z: f64) -> Place {
     // Skewed, the simplices fill cubes.
     let skew = (x + y + z) * (1.0 / 3.0);
@@ -73,7 +74,7 @@ fn locate(x: f64, y: f64, z: f64) -> Place {
 }
 
 /// The integer below, also modulo 2³².
-#[inline]
+#[inline(always)]
 fn floor(v: f64) -> (f64, u32) {
     let shifted = v + SHIFTER;
     let nearest = shifted - SHIFTER;
@@ -85,7 +86,7 @@ fn floor(v: f64) -> (f64, u32) {
 }
 
 /// The sum of the contributions of a simplex's four corners.
-#[inline]
+#[inline(always)]
 fn value(place: Place, seed: u32) -> f32 {
     let [x, y, z] = place.from_corner;
     let [i, j, k] = place.cell;
@@ -106,7 +107,7 @@ fn value(place: Place, seed: u32) -> f32 {
 }
 
 /// The contribution of the corner that lies one cell further along some axes.
-#[inline]
+#[inline(always)]
 fn step([x, y, z]: [f32; 3], first: u32, along: [bool; 3], back: f32, seed: u32) -> f32 {
     let one = |yes: bool| if yes { 1.0 } else { 0.0 };
     let hash = |axis: usize| if along[axis] { SPREAD[axis] } else { 0 };
@@ -125,7 +126,7 @@ fn step([x, y, z]: [f32; 3], first: u32, along: [bool; 3], back: f32, seed: u32)
 }
 
 /// The contribution of a corner to a place at this distance from it.
-#[inline]
+#[inline(always)]
 fn corner([x, y, z]: [f32; 3], cell: u32, seed: u32) -> f32 {
     let falloff = 0.5 - (x * x + y * y + z * z);
     let falloff = if falloff > 0.0 { falloff } else { 0.0 };
@@ -136,7 +137,7 @@ fn corner([x, y, z]: [f32; 3], cell: u32, seed: u32) -> f32 {
 /// Two rounds of shifting and multiplying: every bit of the input reaches the upper bits.
 ///
 /// Source of the factors: C. Wellons' search for integer hashes of low bias.
-#[inline]
+#[inline(always)]
 fn hash(mut h: u32) -> u32 {
     h = (h ^ (h >> 16)).wrapping_mul(0x21F0_AAAD);
     (h ^ (h >> 15)).wrapping_mul(0x735A_2D97)
@@ -144,7 +145,7 @@ fn hash(mut h: u32) -> u32 {
 
 /// Product with one of the twelve directions to the middles of a cube's edges: the upper two bits
 /// are the signs, the others say in thirds which two axes.
-#[inline]
+#[inline(always)]
 fn slope([x, y, z]: [f32; 3], hash: u32) -> f32 {
     const SIGN: u32 = 0x8000_0000;
     const THIRD: i32 = 0x1555_5555;
@@ -197,7 +198,10 @@ mod tests {
         ) {
             let unit = core::array::from_fn(|axis| core::array::from_fn(|l| places[l][axis]));
             let mut noise = [0.0; LANES];
-            simplex(&unit, scale, seed, &mut noise);
+            relievo_raster::vector::on_widest(
+                #[inline(always)]
+                || simplex(&unit, scale, seed, &mut noise),
+            );
             for (noise, place) in noise.iter().zip(&places) {
                 prop_assert_eq!(f64::from(*noise).to_bits(), at(place.map(|v| v * scale), seed).to_bits());
             }

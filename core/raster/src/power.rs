@@ -4,8 +4,8 @@
 ///
 /// Relative error below 10⁻⁶ · max(1, `exponent` · |log2 x| / 8); exact at 0 and 1; results beyond
 /// 2^±126 are clamped there, and subnormal `x` count as 0.
-#[inline]
-pub(super) fn power(x: f32, exponent: f32) -> f32 {
+#[inline(always)]
+pub fn power(x: f32, exponent: f32) -> f32 {
     let magnitude = x.abs();
     let raised = exp2(log2(magnitude) * exponent);
     let result = if magnitude >= f32::MIN_POSITIVE {
@@ -19,8 +19,8 @@ pub(super) fn power(x: f32, exponent: f32) -> f32 {
 /// Binary logarithm of a positive, normal number.
 ///
 /// x = 2^e · m with m from √½ to √2; log2 m from the series of the inverse hyperbolic tangent.
-#[inline]
-fn log2(x: f32) -> f32 {
+#[inline(always)]
+pub(crate) fn log2(x: f32) -> f32 {
     /// Bits of √½.
     const ROOT_HALF: i32 = 0x3f35_04f3;
     let above = (x.to_bits() as i32).wrapping_sub(ROOT_HALF);
@@ -36,8 +36,8 @@ fn log2(x: f32) -> f32 {
 /// 2 to the power y, y clamped to ±126.
 ///
 /// y = n + f with |f| ≤ ½; 2^f by a polynomial fitted for the least largest error, 10⁻⁷, exact at 0.
-#[inline]
-fn exp2(y: f32) -> f32 {
+#[inline(always)]
+pub(crate) fn exp2(y: f32) -> f32 {
     /// 1.5 · 2²³: adding it leaves the nearest integer in the low bits.
     const SHIFTER: f32 = 12_582_912.0;
     let y = if y > -126.0 { y } else { -126.0 };
