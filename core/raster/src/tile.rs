@@ -268,16 +268,23 @@ fn spread<T: Copy, const N: usize>(
     on_widest(
         #[inline(always)]
         || {
-            for (k, source) in source.chunks(CHUNK).enumerate() {
-                let mut values = [[0.0_f32; CHUNK]; N];
-                for (i, v) in source.iter().enumerate() {
-                    let v = working(*v);
+            let mut values = [[0.0_f32; CHUNK]; N];
+            let whole = source.chunks_exact(CHUNK);
+            let (rest, first) = (whole.remainder(), source.len() - whole.remainder().len());
+            for (k, source) in whole.enumerate() {
+                for i in 0..CHUNK {
+                    let v = working(source[i]);
                     for (values, v) in values.iter_mut().zip(v) {
-                        values[i % CHUNK] = v;
+                        values[i] = v;
                     }
                 }
                 for (plane, values) in planes.iter_mut().zip(&values) {
-                    plane[k * CHUNK..][..source.len()].copy_from_slice(&values[..source.len()]);
+                    plane[k * CHUNK..][..CHUNK].copy_from_slice(values);
+                }
+            }
+            for (i, v) in rest.iter().enumerate() {
+                for (plane, v) in planes.iter_mut().zip(working(*v)) {
+                    plane[first + i] = v;
                 }
             }
         },

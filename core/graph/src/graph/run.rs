@@ -11,8 +11,9 @@ use super::resolve::{Resolver, Source};
 use super::{NodeIndex, TileInputs, round};
 use crate::{Job, RenderError};
 
-/// Samples of a strip: 16 rows of a tile, so that the planes of a few nodes stay in the cache.
-const STRIP_SAMPLES: usize = 16 * 256;
+/// Samples of a strip: 4 rows of a tile, so that the planes of two or three nodes, 16 KiB each for
+/// colours, stay in the nearest cache.
+const STRIP_SAMPLES: usize = 4 * 256;
 
 /// Where the samples of cut points come from.
 #[derive(Clone, Copy)]
