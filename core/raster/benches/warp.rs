@@ -1,6 +1,7 @@
 //! A 256² tile from a tiled file in UTM on one thread: from pixels in memory, and from GeoTIFFs whose decoded
 //! chunks are cached.
 
+use std::cell::LazyCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -149,51 +150,58 @@ fn grid(n: u8) -> Grid {
 fn warp(c: &mut Criterion) {
     let cancel = Cancel::default();
     let folder = tempfile::tempdir().expect("a folder for a moment");
-    let mut out = Block::new(Bands::Height, 256, 256);
     let heights = || file(Bands::Height);
+    let colours = || file(Bands::Colour);
     let heights_of_tiff = || geotiff(folder.path(), CogSamples::Height { nodata: -9999.0 });
-    let cases: [(&str, Arc<dyn RasterFile>, Kernel, u8); 6] = [
+    let colours_of_tiff = || geotiff(folder.path(), CogSamples::Rgb8);
+    let magnified = 12;
+    let cases: [(&str, &dyn Fn() -> Arc<dyn RasterFile>, Kernel, u8); 6] = [
         (
             "height tile from UTM: magnified, bilinear",
-            heights(),
+            &heights,
             Kernel::Bilinear,
-            12,
+            magnified,
         ),
         (
             "height tile from UTM: magnified, bicubic",
-            heights(),
+            &heights,
             Kernel::Bicubic,
-            12,
+            magnified,
         ),
         (
             "height tile from UTM: reduced by a tent",
-            heights(),
+            &heights,
             Kernel::Bilinear,
             11,
         ),
         (
             "height tile from a GeoTIFF in UTM",
-            heights_of_tiff(),
+            &heights_of_tiff,
             Kernel::Bilinear,
-            12,
+            magnified,
         ),
         (
             "colour tile from UTM",
-            file(Bands::Colour),
+            &colours,
             Kernel::Bilinear,
-            12,
+            magnified,
         ),
         (
             "colour tile from a GeoTIFF in UTM",
-            geotiff(folder.path(), CogSamples::Rgb8),
+            &colours_of_tiff,
             Kernel::Bilinear,
-            12,
+            magnified,
         ),
     ];
     for (name, file, kernel, n) in cases {
-        let warp = Warp::new(file, Planet::EARTH, kernel).expect("a georeferenced file");
+        // Made only if it is asked for.
+        let warp = LazyCell::new(|| {
+            Warp::new(file(), Planet::EARTH, kernel).expect("a georeferenced file")
+        });
         let grid = grid(n);
+        let mut out = Block::new(Bands::Height, 256, 256);
         c.bench_function(name, |b| {
+            let warp = &*warp;
             b.iter(|| warp.render(&grid, &mut out, &cancel).expect("a sound file"));
         });
     }
