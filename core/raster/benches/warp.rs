@@ -10,7 +10,7 @@ use relievo_planet::{Grid, LevelKey, MapPoint, Planet, TileKey};
 use relievo_raster::file::{Georeference, OverviewInfo, ReadError};
 use relievo_raster::open::{OpenOptions, open};
 use relievo_raster::warp::{Kernel, Warp};
-use relievo_raster::write::{CogLayout, CogSamples, write_cog};
+use relievo_raster::write::{CogLayout, CogSamples, CogWork, write_cog};
 use relievo_raster::{Bands, Block, Cancel, PixelRect, RasterFile, RasterInfo, reduce};
 
 /// Side of the file in pixels.
@@ -118,20 +118,20 @@ fn geotiff(folder: &Path, samples: CogSamples) -> Arc<dyn RasterFile> {
         samples,
         tile: 256,
         georeference: Some(place()),
+        largest_classic_bytes: CogLayout::LARGEST_CLASSIC_BYTES,
     };
-    write_cog(
-        &path,
-        &layout,
-        &mut |rect, out| {
-            let size = (rect.width as usize, rect.height as usize);
-            out.reshape(pixels.bands(), size.0, size.1);
-            out.copy_from(&pixels, (rect.x as usize, rect.y as usize), (0, 0), size);
-            Ok(())
-        },
-        &mut |_| {},
-        &Cancel::default(),
-    )
-    .expect("a file in a folder of our own");
+    let source = |rect: PixelRect| {
+        let size = (rect.width as usize, rect.height as usize);
+        let mut part = Block::new(pixels.bands(), size.0, size.1);
+        part.copy_from(&pixels, (rect.x as usize, rect.y as usize), (0, 0), size);
+        Ok(part)
+    };
+    let work = CogWork {
+        threads: 1,
+        resume: None,
+        cancel: &Cancel::default(),
+    };
+    write_cog(&path, &layout, &source, &work, &mut |_| {}).expect("a file in a folder of our own");
     open(&path, &OpenOptions::default()).expect("a file that was just written")
 }
 

@@ -91,7 +91,7 @@ fn all_ordinary(values: &[f32]) -> bool {
 #[inline(always)]
 fn decode(encoded: f32) -> f32 {
     let c = encoded;
-    let left = 0.000_844_277_33
+    let left = 0.000_844_277_3
         + c * (0.036_613_952
             + c * (-0.485_693_13
                 + c * (0.437_559_63

@@ -109,9 +109,12 @@ impl Tile {
 
     /// A tile with the same sample everywhere.
     pub fn uniform(sample: Sample) -> Self {
-        let height_range_m = match sample {
-            Sample::Height(h) if !h.is_nan() => Some((h, h)),
-            _ => None,
+        let height_range_m = if let Sample::Height(h) = sample
+            && !h.is_nan()
+        {
+            Some((h, h))
+        } else {
+            None
         };
         Self {
             content: Content::Uniform(sample),
