@@ -293,3 +293,9 @@ fn spread<T: Copy, const N: usize>(
         },
     );
 }
+
+/// Lowest and highest of some heights, NaN left out; `None` without any.
+fn range(heights: &[f32]) -> Option<(f32, f32)> {
+    let (low, high) = builder::range(heights);
+    (low <= high).then_some((low, high))
+}
