@@ -196,7 +196,6 @@ fn checked(select: &[u16], count: usize, bands: Bands) -> Result<Vec<usize>, Str
 
 impl Colours {
     fn convert(&self, raw: &RawBlock) -> Vec<f32> {
-        let transfer = colour::Transfer::srgb();
         let (low, scale) = self.range.map_or((0.0, 1.0), |(low, high)| {
             let span = if high == low { 1.0 } else { high - low };
             (low as f32, (1.0 / span) as f32)
@@ -220,7 +219,7 @@ impl Colours {
                 if self.range.is_some() {
                     v = v.clamp(0.0, 1.0);
                 }
-                *value = transfer.encode(v.clamp(0.0, BRIGHTEST));
+                *value = colour::srgb_from_linear(v.clamp(0.0, BRIGHTEST));
             }
             pixel[3] = a;
         }
