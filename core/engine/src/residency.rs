@@ -365,8 +365,7 @@ impl Level {
     fn readable(&self) -> ValidRect {
         let resident = |key: TileKey| {
             self.slots.get(&key).is_some_and(|s| {
-                s.covered.contains_rect(&self.needed(key))
-                    && !(s.stale && self.plan.selects(key))
+                s.covered.contains_rect(&self.needed(key)) && !(s.stale && self.plan.selects(key))
             })
         };
         let mut best = valid_rect(&self.plan, resident);

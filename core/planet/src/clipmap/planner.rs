@@ -8,8 +8,8 @@ use super::levels::{coarsest_level, finest_level, horizon_rad, next_columns_expo
 use super::plan::{ClipKind, LevelPlan, Plan, PlanInput, RingSectors};
 use super::rings::{KAPPA, NARROWEST_RING, RIM_BEGINS, RingMesh};
 use super::select::{Scene, align_to_tiles, drawn, view_centre};
-use super::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN};
 use super::tile_set::TileSet;
+use super::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN};
 use super::view::{FocusFrame, View};
 use super::window::Window;
 use crate::tile::MAX_EXPONENT;

@@ -92,7 +92,10 @@ mod tests {
         for tile in &tiles {
             assert_eq!(set.contains(tile), tile.overlaps(&some), "{tile:?}");
         }
-        assert_eq!(set.len(), tiles.iter().filter(|t| t.overlaps(&some)).count());
+        assert_eq!(
+            set.len(),
+            tiles.iter().filter(|t| t.overlaps(&some)).count()
+        );
     }
 
     #[test]

@@ -96,10 +96,7 @@ impl GeoTiff {
             let columns = u64::from(layout.columns());
             let x = (index % columns) as u32 * layout.chunk_width;
             let y = (index / columns) as u32 * layout.chunk_height;
-            let width = layout
-                .chunk_width
-                .min(layout.width - x)
-                .min(STRETCH_PIXELS);
+            let width = layout.chunk_width.min(layout.width - x).min(STRETCH_PIXELS);
             let height = layout.chunk_height.min(layout.height - y);
             let rect = PixelRect {
                 x,
