@@ -36,6 +36,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     if context.cancel.is_cancelled() {
         return Err(Failure::Cancelled);
     }
+    project::check_output(&arguments.output, &[&arguments.edits], &engine)?;
     let output = project::absolute(&arguments.output)?;
     engine
         .save(&output, Replace::Always)

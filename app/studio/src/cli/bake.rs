@@ -47,6 +47,7 @@ enum Kind {
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
     let engine = project::open_complete(&arguments.project, context)?;
+    project::check_output(&arguments.file, &[&arguments.project], &engine)?;
     let bake = Bake {
         output: match arguments.output {
             Kind::Height => Output::Height,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use relievo_engine::project::LayerId;
+use relievo_engine::project::{LayerId, resolve_path};
 use relievo_engine::{Engine, OpenError, Severity, SourceState};
 
 use super::cache::engine_options;
@@ -81,4 +81,34 @@ pub(crate) fn open_complete(path: &Path, context: &Context) -> Result<Engine, Fa
             Err(Failure::Input(format!("{layer}{}", message.text)))
         }
     }
+}
+
+/// Refuses to write where nothing can be written, and over what is read: `inputs`, and the files of
+/// the project's layers, hidden ones too.
+pub(crate) fn check_output(
+    output: &Path,
+    inputs: &[&Path],
+    engine: &Engine,
+) -> Result<(), Failure> {
+    // What does not exist yet is nobody's input; whether it can be written shows when it is.
+    let Ok(place) = output.canonicalize() else {
+        return Ok(());
+    };
+    if place.is_dir() {
+        return Err(Failure::Input(format!(
+            "expected a file to write, found a folder: {output:?}"
+        )));
+    }
+    let folder = engine.folder();
+    let layers = engine.project().layers.iter();
+    let sources = layers.filter_map(|l| l.source().map(|s| resolve_path(folder, &s.path)));
+    let read = inputs.iter().map(|i| i.to_path_buf()).chain(sources);
+    for input in read {
+        if input.canonicalize().is_ok_and(|input| input == place) {
+            return Err(Failure::Input(format!(
+                "expected an output beside what is read, found one of the inputs: {output:?}"
+            )));
+        }
+    }
+    Ok(())
 }

@@ -66,6 +66,12 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     check_name(&arguments.output)?;
     let started = Instant::now();
     let mut engine = project::open_complete(&arguments.project, context)?;
+    for output in [Some(&arguments.output), arguments.stats.as_ref()]
+        .into_iter()
+        .flatten()
+    {
+        project::check_output(output, &[&arguments.project], &engine)?;
+    }
     let camera = camera(arguments, &engine)?;
     let opened = Instant::now();
     let gpu = Gpu::headless().map_err(|error| Failure::System(with_cause(&error)))?;
