@@ -467,7 +467,7 @@ pub(crate) struct Layer {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum LayerKind {
     /// `imagery`.
-    Imagery(Imagery),
+    Imagery(Box<Imagery>),
     /// `height`.
     Height(Height),
     /// `noise`.
@@ -486,7 +486,7 @@ impl Stored for Layer {
         let mut map = object(value, at)?;
         let base = LayerBase::take(&mut map, at)?;
         let kind = match base.kind.as_str() {
-            "imagery" => LayerKind::Imagery(Imagery::take(&mut map, at)?),
+            "imagery" => LayerKind::Imagery(Box::new(Imagery::take(&mut map, at)?)),
             "height" => LayerKind::Height(Height::take(&mut map, at)?),
             "noise" => LayerKind::Noise(Noise::take(&mut map, at)?),
             "tint" => LayerKind::Tint(Tint::take(&mut map, at)?),
@@ -504,7 +504,7 @@ impl Stored for Layer {
         let mut map = Extra::new();
         self.base.put(&mut map);
         let own = match &self.kind {
-            LayerKind::Imagery(imagery) => put(imagery, &mut map),
+            LayerKind::Imagery(imagery) => put(imagery.as_ref(), &mut map),
             LayerKind::Height(height) => put(height, &mut map),
             LayerKind::Noise(noise) => put(noise, &mut map),
             LayerKind::Tint(tint) => put(tint, &mut map),

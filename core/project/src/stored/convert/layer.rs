@@ -58,7 +58,7 @@ impl Twin for Layer {
         };
         let kind = match kind {
             v1::LayerKind::Imagery(imagery) => {
-                LayerKind::Imagery(ImageryLayer::from_stored(imagery, at)?)
+                LayerKind::Imagery(ImageryLayer::from_stored(*imagery, at)?)
             }
             v1::LayerKind::Height(height) => {
                 LayerKind::Height(HeightLayer::from_stored(height, at)?)
@@ -91,7 +91,9 @@ impl Twin for Layer {
                 locked: unless_default(self.locked, &false),
             },
             kind: match &self.kind {
-                LayerKind::Imagery(imagery) => v1::LayerKind::Imagery(imagery.to_stored()),
+                LayerKind::Imagery(imagery) => {
+                    v1::LayerKind::Imagery(Box::new(imagery.to_stored()))
+                }
                 LayerKind::Height(height) => v1::LayerKind::Height(height.to_stored()),
                 LayerKind::Noise(noise) => v1::LayerKind::Noise(noise.noise.to_stored()),
                 LayerKind::Tint(tint) => v1::LayerKind::Tint(tint.to_stored()),
