@@ -58,6 +58,10 @@ struct Chain {
 }
 
 impl Chain {
+    #[expect(
+        clippy::fn_params_excessive_bools,
+        reason = "a row of the table of cases"
+    )]
     fn new(
         layer: SampleType,
         holes: bool,

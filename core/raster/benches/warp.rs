@@ -147,6 +147,9 @@ fn grid(n: u8) -> Grid {
         .grid()
 }
 
+/// A name, the file, and how it is read at which level.
+type Case<'a> = (&'a str, &'a dyn Fn() -> Arc<dyn RasterFile>, Kernel, u8);
+
 fn warp(c: &mut Criterion) {
     let cancel = Cancel::default();
     let folder = tempfile::tempdir().expect("a folder for a moment");
@@ -155,7 +158,7 @@ fn warp(c: &mut Criterion) {
     let heights_of_tiff = || geotiff(folder.path(), CogSamples::Height { nodata: -9999.0 });
     let colours_of_tiff = || geotiff(folder.path(), CogSamples::Rgb8);
     let magnified = 12;
-    let cases: [(&str, &dyn Fn() -> Arc<dyn RasterFile>, Kernel, u8); 6] = [
+    let cases: [Case; 6] = [
         (
             "height tile from UTM: magnified, bilinear",
             &heights,

@@ -274,6 +274,8 @@ mod tests {
     use relievo_planet::LevelKey;
     use relievo_raster::{Block, Sample, SampleType};
 
+    use std::collections::BTreeMap;
+
     use super::*;
 
     fn id(n: u8) -> ContentId {
@@ -407,7 +409,7 @@ mod tests {
             };
             for jump in 0..10_000_u64 {
                 let at = MapPoint::new(next(628) as f64 / 100.0, next(314) as f64 / 100.0);
-                let mut wanted = HashMap::new();
+                let mut wanted = BTreeMap::new();
                 for _ in 0..next(6) {
                     // The slider's value is part of the name, the place of the key.
                     let level = LevelKey::new(next(12) as u8, next(12) as u8);

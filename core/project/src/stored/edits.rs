@@ -23,7 +23,6 @@ macro_rules! stored_edits {
         $(fields! { $(#[$doc])* $name { $($body)* } })*
 
         /// One edit.
-        #[expect(clippy::large_enum_variant, reason = "lives for one call, in ones")]
         #[derive(Clone, Debug, PartialEq)]
         pub(crate) enum StoredEdit {
             $($(#[$doc])* $name($name),)*

@@ -91,7 +91,7 @@ impl Folder {
     }
 
     /// Reads an entry's bytes and renews its claim; `None` if there is none.
-    fn read(&self, path: &Path) -> io::Result<Option<Vec<u8>>> {
+    fn read(path: &Path) -> io::Result<Option<Vec<u8>>> {
         let mut file = match File::open(path) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -248,7 +248,7 @@ impl Shelf for Folder {
     fn load(&self, id: ContentId) -> Option<Loaded> {
         let name = self.name(id);
         let path = self.path(&name);
-        let loaded = match self.read(&path) {
+        let loaded = match Self::read(&path) {
             Ok(None) => None,
             Ok(Some(bytes)) => {
                 let loaded = decode(&bytes, id, &self.maker);

@@ -90,7 +90,7 @@ fn a_disk_that_does_not_answer_holds_up_neither_workers_nor_closing() {
     let mut finished = Vec::new();
     while finished.len() < names.len() {
         assert!(
-            !tiles.wait(Duration::from_secs(60)) || !tiles.shared.state.lock().finished.is_empty()
+            !tiles.wait(Duration::from_mins(1)) || !tiles.shared.state.lock().finished.is_empty()
         );
         finished.extend(tiles.take_finished().into_iter().map(|f| f.id));
     }
@@ -117,7 +117,7 @@ fn a_tile_that_is_not_there_is_made_in_its_place_in_the_order() {
     let wants = wants();
     let names: std::collections::BTreeSet<_> = wants.iter().map(|w| w.id).collect();
     tiles.want(wants, MapPoint::new(0.0, 1.5));
-    while !tiles.wait(Duration::from_secs(60)) {}
+    while !tiles.wait(Duration::from_mins(1)) {}
     // The last of them may have come between the last two looks.
     let finished: Vec<_> = tiles.take_finished().into_iter().map(|f| f.id).collect();
     assert_eq!(tiles.take_log().len(), names.len());
