@@ -161,6 +161,7 @@ pub fn scene(bytes: &[u8]) {
         colour_window: 256,
         colour_texel_px: project.quality.texel_px,
         height_texel_px: 2.0 * project.quality.texel_px,
+        max_taps: 4,
     };
     let options = EngineOptions {
         threads: Some(1),

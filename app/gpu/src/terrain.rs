@@ -13,6 +13,10 @@ use crate::mesh::{MeshBuffers, MeshSelection};
 use crate::targets;
 
 /// What a scene uses, and so which pipeline draws it.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each switches a part of the shader"
+)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TerrainKey {
     /// Whether some source colours the ground.

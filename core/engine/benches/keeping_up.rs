@@ -257,6 +257,7 @@ fn main() {
                 colour_window: window,
                 colour_texel_px: texel_px,
                 height_texel_px: if sharp { 2.0 } else { 2.0 * texel_px },
+                max_taps: 4,
             };
             for rate in rates {
                 let r = fly(&project, altitude_m, rate, view, 1);

@@ -34,6 +34,7 @@ fn open(project: &Path, cache: Option<PathBuf>) -> Times {
         colour_window: 1024,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,
+        max_taps: 4,
     });
     let mut opened = None;
     loop {

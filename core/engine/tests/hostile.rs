@@ -117,6 +117,7 @@ fn a_file_that_shrinks_while_it_is_shown_fails_its_tiles_and_nothing_else() {
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,
+        max_taps: 4,
     });
     let converged = (0..10_000).any(|_| {
         let frame = engine.drain(f32::INFINITY).expect("a view was set");

@@ -98,6 +98,7 @@ fn converge(engine: &mut Engine, altitude_m: f64) {
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,
+        max_taps: 4,
     });
     for _ in 0..3000 {
         if engine.drain(f32::INFINITY).unwrap().is_converged() {

@@ -145,6 +145,7 @@ fn view(random: &mut Random) -> View {
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,
+        max_taps: 4,
     }
 }
 

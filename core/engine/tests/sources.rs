@@ -185,6 +185,7 @@ fn view(lon_deg: f64, altitude_m: f64) -> View {
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,
+        max_taps: 4,
     }
 }
 

@@ -8,7 +8,7 @@
 
 #![expect(clippy::print_stdout, reason = "a bench says what it found")]
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -152,7 +152,11 @@ fn record(keys: &[Key]) -> Vec<Frame> {
     while time_s < keys[keys.len() - 1][0] {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let late = [0.0, 0.0, 0.0, 0.0, 1.0, 0.3, 0.0, 4.0][(random >> 29) as usize];
-        let stall = if (random >> 8) % 97 == 0 { 9.0 } else { 0.0 };
+        let stall = if (random >> 8).is_multiple_of(97) {
+            9.0
+        } else {
+            0.0
+        };
         let ms = FRAME_MS * (1.0 + 0.25 * late + stall);
         let camera = camera_at(keys, time_s);
         let plan = planner.plan(&input(camera));
@@ -215,7 +219,7 @@ fn play(frames: &[Frame], bytes: usize, eviction: Eviction, prefetch: Prefetch) 
     let mut cache = Cache::new(bytes).with_eviction(eviction);
     let mut made: HashSet<ContentId> = HashSet::new();
     // Tiles that no frame has shown since they were made.
-    let mut unseen: HashMap<ContentId, ()> = HashMap::new();
+    let mut unseen: HashSet<ContentId> = HashSet::new();
     let mut out = Outcome::default();
     // More would push itself out of the cache again.
     let most = PREFETCH.min(bytes / 4 / TILE_BYTES);
@@ -260,7 +264,7 @@ fn play(frames: &[Frame], bytes: usize, eviction: Eviction, prefetch: Prefetch) 
             cache.insert(id, key, state, cost.into(), visible.contains(&id));
             out.made += 1;
             out.twice += usize::from(!made.insert(id));
-            out.in_vain += usize::from(unseen.insert(id, ()).is_some());
+            out.in_vain += usize::from(!unseen.insert(id));
         }
     }
     out.in_vain += unseen.len();

@@ -187,7 +187,7 @@ fn a_folder_that_cannot_be_used_changes_nothing_but_time() {
 fn what_is_cheap_is_not_stored_and_a_drag_stores_its_last_state_only() {
     let dir = tempfile::tempdir().unwrap();
     let disk = DiskOptions {
-        dear: Duration::from_secs(3600),
+        dear: Duration::from_hours(1),
         ..DiskOptions::new(dir.path().join("cheap"))
     };
     std::fs::create_dir(&disk.folder).unwrap();
@@ -200,7 +200,7 @@ fn what_is_cheap_is_not_stored_and_a_drag_stores_its_last_state_only() {
     {
         let disk = DiskOptions {
             dear: Duration::ZERO,
-            calm: Duration::from_secs(3600),
+            calm: Duration::from_hours(1),
             ..DiskOptions::new(folder.clone())
         };
         let tiles = tiles_with(Some(disk), 1 << 28);
