@@ -382,6 +382,10 @@ pub fn scratch(name: &str) -> PathBuf {
 /// compression, bits, sample format, samples, predictor, photometric interpretation, planes, width,
 /// height, side of chunks, extra samples, byte order; what follows is cut into as many parts as
 /// there are chunks.
+#[expect(
+    clippy::too_many_lines,
+    reason = "the fields of a TIFF, one after the other"
+)]
 pub fn tiff_of(bytes: &[u8]) -> Option<Vec<u8>> {
     let (&[c, b, f, s, p, ph, planar, w, h, side, extra, order], data) =
         bytes.split_first_chunk::<12>()?;

@@ -179,7 +179,7 @@ fn results_that_do_not_fit_on_the_disk_are_told() {
 fn a_file_without_permission_is_told() {
     use std::os::unix::fs::PermissionsExt;
     let desk = Desk::new();
-    let none = std::fs::Permissions::from_mode(0);
+    let none = std::fs::Permissions::from_mode(0o000);
     for name in ["dem.tif", "p.relievo", "e.json"] {
         std::fs::set_permissions(desk.path.join(name), none.clone()).unwrap();
     }

@@ -49,11 +49,12 @@ fn open(project: &Path, cache: Option<PathBuf>) -> Times {
     }
     let complete = start.elapsed();
     let stats = engine.stats();
+    let closing = Instant::now();
     drop(engine);
     Times {
         opened: opened.unwrap_or_default(),
         complete,
-        closed: start.elapsed() - complete,
+        closed: closing.elapsed(),
         stats,
     }
 }

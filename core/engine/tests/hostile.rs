@@ -25,7 +25,7 @@ fn replay(folder: &Path, target: targets::Target) -> usize {
     for file in &files {
         let bytes = std::fs::read(file).expect("a file of the checkout can be read");
         // A failure names the file, which is what one needs to debug it.
-        println!("{}", file.display());
+        eprintln!("{}", file.display());
         run(&bytes);
     }
     files.len()
