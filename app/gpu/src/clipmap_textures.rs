@@ -7,6 +7,8 @@ use relievo_engine::planet::TILE_SAMPLES;
 use relievo_engine::raster::{Sample, SampleType};
 use relievo_engine::{ClipKind, Upload};
 
+use crate::memory::{self, OutOfMemory};
+
 /// Why an upload cannot be stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UploadError {
@@ -68,18 +70,20 @@ impl ClipmapTexture {
     }
 
     /// Makes room for `layers` layers of `window`² texels and says whether the texture, and so its
-    /// view, is another one now. Growing keeps what is there, copied by `encoder`; another window
-    /// size starts from zeros.
+    /// view, is another one now. Growing keeps what is there; another window size starts from zeros.
+    ///
+    /// # Errors
+    /// When the device has no room; what was there stays.
     pub fn reserve(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         window: u32,
         layers: u32,
-    ) -> bool {
+    ) -> Result<bool, OutOfMemory> {
         let has = self.texture.depth_or_array_layers();
         if window == self.window && layers <= has {
-            return false;
+            return Ok(false);
         }
         let same_window = window == self.window;
         // A few to spare, since levels come one at a time.
@@ -89,7 +93,8 @@ impl ClipmapTexture {
         } else {
             layers
         };
-        let grown = create(device, self.kind, window, layers);
+        let bytes = u64::from(window).pow(2) * u64::from(layers) * 4;
+        let grown = memory::reserve(device, bytes, || create(device, self.kind, window, layers))?;
         if same_window {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
                 label: Some("clipmap_textures/grow"),
@@ -108,7 +113,7 @@ impl ClipmapTexture {
             view: array_view(&grown),
             texture: grown,
         };
-        true
+        Ok(true)
     }
 
     /// Stores the samples of an upload; returns the bytes sent.

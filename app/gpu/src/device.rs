@@ -123,6 +123,7 @@ impl Gpu {
         let info = adapter.get_info();
         let class = AdapterClass::of(&info);
         let loss = LossWatch::of(device);
+        device.on_uncaptured_error(Arc::new(mind_error));
         tracing::info!(adapter = info.name, ?class, backend = ?info.backend, "graphics device");
         Self {
             device: device.clone(),
@@ -130,6 +131,22 @@ impl Gpu {
             info,
             class,
             loss,
+        }
+    }
+}
+
+/// What becomes of an error that nobody expected. Without memory the device is lost, which whoever
+/// draws finds out and can do something about; anything else is a bug.
+///
+/// # Panics
+/// On what is a bug.
+fn mind_error(error: wgpu::Error) {
+    match error {
+        wgpu::Error::OutOfMemory { source } => {
+            tracing::error!("the graphics device has no memory left: {source}");
+        }
+        error @ (wgpu::Error::Validation { .. } | wgpu::Error::Internal { .. }) => {
+            panic!("the graphics device was used wrongly, which is a bug: {error}");
         }
     }
 }

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Invariant: nothing here sees a project; all it knows of the world is a `Frame`.
-//! A device that is lost is replaced: [`Gpu`] anew, [`Renderer::rebuilt`], all uploads again.
+//! A device that is lost is replaced: [`Gpu`] anew, [`Renderer::rebuilt`], all uploads again. One
+//! without room for what is asked of it says so ([`RenderError::OutOfMemory`]) and goes on.
 
 mod bind;
 pub mod blit;
@@ -15,6 +16,7 @@ pub mod device;
 pub mod displace;
 pub mod frame_group;
 pub mod measure;
+pub mod memory;
 pub mod mesh;
 pub mod quality;
 pub mod readback;
@@ -28,6 +30,7 @@ pub mod uniforms;
 
 pub use clipmap_textures::UploadError;
 pub use device::{Gpu, GpuError, LossWatch, device_descriptor};
+pub use memory::OutOfMemory;
 pub use quality::{AdapterClass, Look, Quality};
 pub use readback::{Picture, ReadError};
 pub use renderer::{PickedPoint, RenderError, Renderer};

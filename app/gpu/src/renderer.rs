@@ -15,6 +15,7 @@ use crate::clipmap_textures::{ClipmapTexture, UploadError};
 use crate::device::{Gpu, LossWatch};
 use crate::displace::{DisplaceGroup, DisplacePass};
 use crate::frame_group::FrameGroup;
+use crate::memory::{self, OutOfMemory};
 use crate::mesh::{MeshBuffers, MeshSelection};
 use crate::quality::{Look, Quality};
 use crate::readback::{self, Picture, ReadError};
@@ -32,6 +33,10 @@ pub enum RenderError {
     /// uploaded again.
     #[error("the graphics device was lost")]
     DeviceLost,
+    /// The device has no room for the frame's windows or its picture. Take a renderer of less
+    /// quality and have everything uploaded again.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
     /// An upload breaks the contract of [`Frame`].
     #[error(transparent)]
     Upload(#[from] UploadError),
@@ -189,7 +194,7 @@ impl Renderer {
             self.drawn = None;
         }
         let uploaded_bytes = stored?;
-        let resized = self.resize(frame.viewport_px);
+        let resized = self.resize(frame.viewport_px)?;
         let uniform = frame_uniform(frame, self.targets.size_px(), self.look);
         let levels = Box::new(level_uniforms(frame));
         let selection = self.mesh.select(&frame.plan);
@@ -300,7 +305,7 @@ impl Renderer {
     }
 
     /// Makes room for a frame's levels and stores its uploads; returns the bytes sent.
-    fn store(&mut self, frame: &Frame) -> Result<u64, UploadError> {
+    fn store(&mut self, frame: &Frame) -> Result<u64, RenderError> {
         let stacks = [
             (
                 &mut self.heights,
@@ -322,7 +327,7 @@ impl Renderer {
             ),
         ];
         let most = self.device.limits().max_texture_array_layers;
-        let mut replaced = [false; 3];
+        let (mut replaced, mut full) = ([false; 3], None);
         for ((texture, kind, levels, window), replaced) in stacks.into_iter().zip(&mut replaced) {
             let uploaded = frame
                 .uploads
@@ -336,7 +341,13 @@ impl Renderer {
                 .chain(uploaded)
                 .filter(|layer| *layer < most);
             if let Some(last) = layers.max() {
-                *replaced = texture.reserve(&self.device, &self.queue, window, last + 1);
+                match texture.reserve(&self.device, &self.queue, window, last + 1) {
+                    Ok(is_new) => *replaced = is_new,
+                    Err(error) => {
+                        full = Some(error);
+                        break;
+                    }
+                }
             }
         }
         if replaced[0] {
@@ -352,6 +363,9 @@ impl Renderer {
         if replaced.contains(&true) {
             self.drawn = None;
         }
+        if let Some(error) = full {
+            return Err(error.into());
+        }
         let mut sent = 0;
         for upload in &frame.uploads {
             let (texture, levels) = match upload.clipmap {
@@ -366,14 +380,18 @@ impl Renderer {
     }
 
     /// Makes targets of the frame's size; returns whether they are new.
-    fn resize(&mut self, size_px: [u32; 2]) -> bool {
+    fn resize(&mut self, size_px: [u32; 2]) -> Result<bool, OutOfMemory> {
         let most = self.device.limits().max_texture_dimension_2d;
-        if self.targets.size_px() == size_px.map(|s| s.clamp(1, most)) {
-            return false;
+        let size_px = size_px.map(|s| s.clamp(1, most));
+        if self.targets.size_px() == size_px {
+            return Ok(false);
         }
-        self.targets = Targets::new(&self.device, size_px);
+        let bytes = 8 * u64::from(size_px[0]) * u64::from(size_px[1]);
+        let device = &self.device;
+        self.targets = memory::reserve(device, bytes, || Targets::new(device, size_px))?;
+        self.drawn = None;
         self.blit_group = self.blit.bind(&self.device, self.targets.colour_view());
-        true
+        Ok(true)
     }
 
     /// Memory of textures, mesh and targets, bytes.

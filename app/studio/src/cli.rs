@@ -76,6 +76,15 @@ pub(crate) struct Context<'a> {
     threads: Option<usize>,
     /// What is kept from run to run.
     cache: Cache,
+    /// What users should know although the command went on.
+    notes: Vec<String>,
+}
+
+impl Context<'_> {
+    /// Tells something that users should know although the command goes on, in one line.
+    pub(crate) fn note(&mut self, text: String) {
+        self.notes.push(text);
+    }
 }
 
 /// How a command ended other than well.
@@ -124,7 +133,7 @@ pub fn run(
     cancel: &Cancel,
 ) -> u8 {
     let result = match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => dispatch(arguments, out, cancel),
+        Ok(arguments) => dispatch(arguments, out, err, cancel),
         Err(error) if error.use_stderr() => Err(Failure::Input(usage_line(&error))),
         Err(help) => write!(out, "{}", help.render()).map_err(Failure::from),
     };
@@ -140,35 +149,52 @@ pub fn run(
     code
 }
 
-fn dispatch(arguments: Arguments, out: &mut dyn Write, cancel: &Cancel) -> Result<(), Failure> {
+fn dispatch(
+    arguments: Arguments,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    cancel: &Cancel,
+) -> Result<(), Failure> {
     let threads = arguments.threads.map(usize::from);
     let mut context = Context {
         out,
         cancel,
         threads,
         cache: arguments.cache.decide(),
+        notes: Vec::new(),
     };
-    match (arguments.project, arguments.command) {
+    let result = carry_out(arguments.project, arguments.command, &mut context);
+    for note in &context.notes {
+        // A line that cannot be told is no reason to fail.
+        let _told = writeln!(err, "relievo: {}", one_line(note));
+    }
+    result
+}
+
+fn carry_out(
+    project: Option<PathBuf>,
+    command: Option<Command>,
+    context: &mut Context,
+) -> Result<(), Failure> {
+    let (threads, cancel) = (context.threads, context.cancel);
+    match (project, command) {
         (Some(project), Some(_)) => Err(Failure::Input(format!(
             "expected a project or a command, found both: {}",
             project.display()
         ))),
-        (project, None) => {
-            crate::window::open(project, threads, context.cache, cancel).map_err(|failed| {
-                match failed {
-                    crate::window::OpenWindowError::Project(line) => Failure::Input(line),
-                    crate::window::OpenWindowError::System(line) => Failure::System(line),
-                }
-            })
-        }
-        (None, Some(Command::Render(a))) => render::run(&a, &mut context),
-        (None, Some(Command::Bake(a))) => bake::run(&a, &mut context),
-        (None, Some(Command::Sample(a))) => sample::run(&a, &mut context),
-        (None, Some(Command::Info(a))) => info::run(&a, &mut context),
-        (None, Some(Command::Check(a))) => check::run(&a, &mut context),
-        (None, Some(Command::New(a))) => new::run(&a, &mut context),
-        (None, Some(Command::Apply(a))) => apply::run(&a, &mut context),
-        (None, Some(Command::Schema(a))) => schema::run(&a, &mut context),
+        (project, None) => crate::window::open(project, threads, context.cache.clone(), cancel)
+            .map_err(|failed| match failed {
+                crate::window::OpenWindowError::Project(line) => Failure::Input(line),
+                crate::window::OpenWindowError::System(line) => Failure::System(line),
+            }),
+        (None, Some(Command::Render(a))) => render::run(&a, context),
+        (None, Some(Command::Bake(a))) => bake::run(&a, context),
+        (None, Some(Command::Sample(a))) => sample::run(&a, context),
+        (None, Some(Command::Info(a))) => info::run(&a, context),
+        (None, Some(Command::Check(a))) => check::run(&a, context),
+        (None, Some(Command::New(a))) => new::run(&a, context),
+        (None, Some(Command::Apply(a))) => apply::run(&a, context),
+        (None, Some(Command::Schema(a))) => schema::run(&a, context),
     }
 }
 

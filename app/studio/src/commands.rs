@@ -37,6 +37,8 @@ pub enum Command {
     ToggleVisible,
     /// Flies to where the selected layer is seen whole.
     ZoomToLayer,
+    /// Links the selected layer to another file.
+    Locate,
     /// Turns north up.
     NorthUp,
     /// Returns to the camera of the project file.
@@ -238,6 +240,13 @@ pub const TABLE: &[Entry] = &[
         "Fly to layer",
         "Fly to where the selected layer is seen whole",
         &[keys(PLAIN, Key::F)],
+    ),
+    entry(
+        Command::Locate,
+        Menu::Layer,
+        "Locate file…",
+        "Link the selected layer to a file that was moved, or to another one",
+        &[keys(CTRL, Key::L)],
     ),
     entry(
         Command::MoveUp,

@@ -19,8 +19,10 @@ mod messages;
 mod navigation;
 mod pace;
 mod probe;
+mod recent;
 mod scene;
 mod stage;
+mod start;
 mod status;
 mod studio;
 mod theme;
@@ -67,6 +69,7 @@ pub fn open(
         threads,
         cache_folder: cache.folder,
         disk_cache: cache.bytes,
+        ..StudioOptions::default()
     };
     let mut studio = Studio::new(options).map_err(|e| OpenWindowError::System(e.to_string()))?;
     if let Some(path) = project {

@@ -532,3 +532,44 @@ fn a_reader_that_goes_away_is_no_failure() {
     );
     assert_eq!((code, err.len()), (0, 0));
 }
+
+#[test]
+fn a_missing_file_is_found_by_its_name_and_linked_by_the_edit_that_check_gives() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = text_file(
+        folder.path(),
+        "moved.relievo",
+        r#"{"version": 1, "layers": [{"id": "dem", "kind": "height", "path": "gone/wasatch-dem.tif"}]}"#,
+    );
+    let run = relievo(&["check", &project, "--json"]);
+    assert_eq!(run.code, 2);
+    let problem = &run.json()[0];
+    let what = problem["what"].as_str().unwrap();
+    assert!(what.contains("not even its folder"), "{what}");
+    let mend = problem["mend"].as_str().unwrap();
+    assert!(mend.contains("--search"), "{mend}");
+    assert_eq!(problem["edits"], Value::Null);
+    // One of that name that will not do comes first.
+    std::fs::create_dir_all(folder.path().join("a/b")).unwrap();
+    text_file(folder.path(), "a/wasatch-dem.tif", "no picture");
+    let dem = sample_file("data/wasatch-dem.tif");
+    std::fs::copy(&dem, folder.path().join("a/b/wasatch-dem.tif")).unwrap();
+    let problem = &relievo(&["check", &project, "--json"]).json()[0];
+    let edits = &problem["edits"];
+    assert_eq!(
+        *edits,
+        serde_json::json!([{"edit": "set_path", "id": "dem", "path": "a/b/wasatch-dem.tif"}])
+    );
+    let edits = text_file(folder.path(), "edits.json", &edits.to_string());
+    let mended = in_folder(folder.path(), "mended.relievo");
+    good(&["apply", &project, &edits, "-o", &mended]);
+    good(&["check", &mended]);
+    // In a folder that is given, too; one that is none is refused.
+    std::fs::remove_dir_all(folder.path().join("a")).unwrap();
+    let data = Path::new(&dem).parent().unwrap().to_str().unwrap();
+    let problem = &relievo(&["check", &project, "--json", "--search", data]).json()[0];
+    let path = problem["edits"][0]["path"].as_str().unwrap();
+    assert!(path.ends_with("wasatch-dem.tif"), "{path}");
+    let line = refused(&["check", &project, "--search", &dem]);
+    assert!(line.contains("expected a folder"), "{line}");
+}

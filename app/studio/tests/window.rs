@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, Pos2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use relievo::window::{Studio, StudioOptions};
 use relievo_engine::project::{Layer, LayerKind};
 
@@ -28,13 +28,21 @@ impl Window {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("sample.relievo");
         std::fs::write(&file, text).unwrap();
+        Self::start(folder, file, true)
+    }
+
+    /// A window with a list of recent projects in the folder; `open`: on the file.
+    fn start(folder: tempfile::TempDir, file: PathBuf, open: bool) -> Self {
         let mut studio = Studio::new(StudioOptions {
             threads: Some(1),
             cache_folder: None,
             disk_cache: 0,
+            state_folder: Some(folder.path().join("state")),
         })
         .unwrap();
-        studio.open_project(&file).unwrap();
+        if open {
+            studio.open_project(&file).unwrap();
+        }
         let harness = Harness::builder()
             .with_size(vec2(1200.0, 800.0))
             .build_eframe(|cc| {
@@ -52,6 +60,31 @@ impl Window {
 
     fn steps(&mut self) {
         self.harness.run_steps(3);
+    }
+
+    /// Goes on until something that another thread has to say is there.
+    fn until(&mut self, what: &str, there: impl Fn(&Self) -> bool) {
+        for _ in 0..20_000 {
+            if there(self) {
+                return;
+            }
+            self.harness.run_steps(1);
+            std::thread::yield_now();
+        }
+        panic!("never came: {what}");
+    }
+
+    fn has_button(&self, label: &str) -> bool {
+        self.harness
+            .query_by_role_and_label(Role::Button, label)
+            .is_some()
+    }
+
+    fn click(&mut self, label: &str) {
+        self.harness
+            .get_by_role_and_label(Role::Button, label)
+            .click();
+        self.steps();
     }
 
     fn press(&mut self, modifiers: Modifiers, key: Key) {
@@ -398,4 +431,98 @@ fn menus_help_and_the_scene_page_open_without_complaints() {
     window.harness.get_by_label("File").click();
     window.steps();
     window.harness.get_by_label_contains("Save as");
+}
+
+const MISSING: &str = r#"{"version": 1, "layers": [
+    {"id": "east", "name": "East", "kind": "height", "path": "gone/east.tif"},
+    {"id": "west", "name": "West", "kind": "height", "path": "gone/west.tif"}]}"#;
+
+/// Paths of all layers' files.
+fn paths(window: &Window) -> Vec<&str> {
+    let sources = window.layers().iter().map(|l| l.source().unwrap());
+    sources.map(|s| s.path.as_str()).collect()
+}
+
+#[test]
+fn missing_files_are_located_together_as_one_step_and_never_dropped() {
+    let mut window = Window::open(MISSING);
+    window.until("the missing file is told", |w| {
+        w.has_button("Locate the file of West") && w.has_button("Locate the file of East")
+    });
+    let moved = window.file.parent().unwrap().join("moved");
+    std::fs::create_dir(&moved).unwrap();
+    for name in ["east.tif", "west.tif"] {
+        std::fs::write(moved.join(name), "not really a picture").unwrap();
+    }
+    let west = window.layers()[1].id.clone();
+    window
+        .harness
+        .state_mut()
+        .locate(west.clone(), &moved.join("west.tif"));
+    window.until("the question", |w| w.has_button("Link all"));
+    window.click("Cancel");
+    assert_eq!(paths(&window), ["gone/east.tif", "gone/west.tif"]);
+    window
+        .harness
+        .state_mut()
+        .locate(west.clone(), &moved.join("west.tif"));
+    window.until("the question", |w| w.has_button("Link all"));
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(paths(&window), ["moved/east.tif", "moved/west.tif"]);
+    assert_eq!(window.undo_label().as_deref(), Some("Relink 2 files"));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(paths(&window), ["gone/east.tif", "gone/west.tif"]);
+    window
+        .harness
+        .state_mut()
+        .locate(west, &moved.join("west.tif"));
+    window.until("the question", |w| w.has_button("Only the one"));
+    window.click("Only the one");
+    assert_eq!(paths(&window), ["gone/east.tif", "moved/west.tif"]);
+    window.press(Modifiers::COMMAND, Key::S);
+    let saved = relievo_engine::project::open(&window.file).unwrap().0;
+    assert_eq!(
+        saved.layers[0].source().unwrap().path,
+        "gone/east.tif",
+        "a file that is missing is not dropped"
+    );
+}
+
+#[test]
+fn an_empty_window_offers_projects_and_files_and_what_was_open_lately() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("sample.relievo");
+    std::fs::write(&file, PROJECT).unwrap();
+    let gone = folder.path().join("gone.relievo");
+    let list = serde_json::json!({"projects": [&gone, &file]});
+    std::fs::create_dir(folder.path().join("state")).unwrap();
+    std::fs::write(folder.path().join("state/recent.json"), list.to_string()).unwrap();
+    let mut window = Window::start(folder, file, false);
+    window.harness.get_by_label_contains("New from files…");
+    let there = |w: &Window, name: &str| {
+        let button = w.harness.get_by_label_contains(name);
+        !button.accesskit_node().is_disabled()
+    };
+    window.until("what is missing is greyed", |w| !there(w, "gone  –"));
+    assert!(there(&window, "sample  –"));
+    window.harness.get_by_label_contains("sample  –").click();
+    window.steps();
+    assert_eq!(window.order(), ["hills", "low", "high"]);
+    assert!(
+        window
+            .harness
+            .query_by_label_contains("New from files…")
+            .is_none()
+    );
+    // The one that was opened is on top of the list now, also for the next window.
+    let list = std::fs::read_to_string(window.file.with_file_name("state/recent.json")).unwrap();
+    let (sample, gone) = (list.find("sample").unwrap(), list.find("gone").unwrap());
+    assert!(sample < gone, "{list}");
+    window.harness.get_by_label("File").click();
+    window.steps();
+    window.harness.get_by_label_contains("Open recent").click();
+    window.steps();
+    window.click("Clear this list");
+    let list = std::fs::read_to_string(window.file.with_file_name("state/recent.json")).unwrap();
+    assert!(!list.contains("relievo"), "{list}");
 }

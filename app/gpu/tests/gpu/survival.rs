@@ -5,6 +5,7 @@ use std::sync::Arc;
 use relievo_engine::planet::Planet;
 use relievo_engine::raster::{Sample, Tile};
 use relievo_engine::{ClipKind, Upload};
+use relievo_gpu::clipmap_textures::ClipmapTexture;
 use relievo_gpu::{Gpu, ReadError, RenderError, Renderer, UploadError};
 
 use crate::scene::{self, World, camera, gpu, sun};
@@ -98,4 +99,51 @@ fn an_upload_that_does_not_fit_is_refused_and_the_next_frame_drawn() {
     far.layer = u32::MAX;
     assert!(render(vec![far]).is_err());
     assert!(render(vec![upload(height(), [0, 0], [0, 0], [0, 0])]).is_ok());
+}
+
+#[test]
+fn a_device_without_room_says_so_and_goes_on_with_what_it_has() {
+    let camera = camera(11.0, 47.0, 20_000.0, 200.0, -30.0);
+    let frame = scene::frame(&WORLD, camera, SIZE, sun(&camera, 150.0, 50.0));
+    let gpu = gpu();
+    let mut renderer = scene::renderer();
+    let draw = |renderer: &mut Renderer, frame: &relievo_engine::Frame| {
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        renderer.render(frame, &mut encoder)?;
+        gpu.queue.submit([encoder.finish()]);
+        Ok::<_, RenderError>(())
+    };
+    draw(&mut renderer, &frame).unwrap();
+    let before = renderer.read_back().unwrap();
+    // The largest array that the device can name: 256 GiB on most.
+    let limits = gpu.device.limits();
+    let (window, layers) = (
+        limits.max_texture_dimension_2d,
+        limits.max_texture_array_layers,
+    );
+    let mut texture = ClipmapTexture::new(&gpu.device, ClipKind::Colour, 256, 4);
+    let refused = texture
+        .reserve(&gpu.device, &gpu.queue, window, layers)
+        .unwrap_err();
+    assert_eq!(
+        refused.bytes,
+        4 * u64::from(window).pow(2) * u64::from(layers)
+    );
+    assert_eq!(
+        (texture.window(), texture.memory()),
+        (256, 4 * 4 * 256 * 256)
+    );
+    // The same by way of a frame.
+    let mut greedy = frame.clone();
+    greedy.colour_window = window;
+    greedy.colours[0].layer = layers - 1;
+    assert!(matches!(
+        draw(&mut renderer, &greedy),
+        Err(RenderError::OutOfMemory(_))
+    ));
+    assert!(!gpu.loss.is_lost());
+    draw(&mut renderer, &frame).unwrap();
+    assert!(renderer.read_back().unwrap() == before);
 }

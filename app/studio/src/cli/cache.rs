@@ -6,7 +6,9 @@ use relievo_engine::{DEFAULT_DISK_CACHE_BYTES, EngineOptions, default_cache_fold
 
 // Where pyramids of big images and finished tiles are kept. (Not a doc comment: clap would show it as
 // what the program is for.)
+// Its group would have the name of the program's.
 #[derive(Clone, Debug, clap::Args)]
+#[group(skip)]
 pub(crate) struct Arguments {
     /// Folder for pyramids of big images and finished tiles, kept from run to run; made if it is not
     /// there. Default: the user's cache folder.

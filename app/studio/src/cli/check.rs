@@ -1,5 +1,7 @@
 //! `relievo check`: every problem of a project, with where it is and how to mend it.
 
+mod elsewhere;
+
 use std::path::PathBuf;
 
 use relievo_engine::Engine;
@@ -8,7 +10,9 @@ use relievo_engine::project::{Layer, LayerId, LayerKind, Project};
 use relievo_engine::raster::RasterInfo;
 use relievo_engine::raster::crs::Crs;
 use serde::Serialize;
+use serde_json::Value;
 
+use self::elsewhere::Elsewhere;
 use super::{Context, Failure, project};
 
 /// Part by which the radii of a source and of the planet may differ.
@@ -25,6 +29,10 @@ pub(crate) struct Arguments {
     /// Print a JSON array instead of lines.
     #[arg(long)]
     json: bool,
+    /// Look for missing files here and in the folders below, 8 deep; may be given several times.
+    /// The project's own folder is always looked into.
+    #[arg(long, value_name = "FOLDER")]
+    search: Vec<PathBuf>,
 }
 
 /// How bad a problem is.
@@ -48,6 +56,9 @@ struct Problem {
     what: String,
     /// How to mend it.
     mend: String,
+    /// Edits that may mend it, the likeliest first, as `relievo apply` takes them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    edits: Vec<Value>,
 }
 
 #[derive(Debug, Serialize)]
@@ -57,7 +68,8 @@ struct LayerIdText(String);
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
     let mut engine = project::open(&arguments.project, context)?;
     project::wait_for_sources(&mut engine, context)?;
-    let problems = problems(&engine);
+    let elsewhere = Elsewhere::search(&engine, &arguments.search, context)?;
+    let problems = problems(&engine, &elsewhere);
     if arguments.json {
         let text = serde_json::to_string_pretty(&problems).map_err(Failure::system)?;
         writeln!(context.out, "{text}")?;
@@ -100,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
 }
 
 /// All problems, by place.
-fn problems(engine: &Engine) -> Vec<Problem> {
+fn problems(engine: &Engine, elsewhere: &Elsewhere) -> Vec<Problem> {
     let project = engine.project();
     let mut found = Vec::new();
     unknown_fields("", project.extra.keys(), None, &mut found);
@@ -109,21 +121,28 @@ fn problems(engine: &Engine) -> Vec<Problem> {
     unknown_fields("/quality", project.quality.extra.keys(), None, &mut found);
     unknown_fields("/sun", project.sun.extra.keys(), None, &mut found);
     for (index, layer) in project.layers.iter().enumerate() {
-        of_layer(engine, index, layer, &mut found);
+        of_layer(engine, elsewhere, index, layer, &mut found);
     }
     heights_for_tints(project, &mut found);
     found
 }
 
-fn of_layer(engine: &Engine, index: usize, layer: &Layer, found: &mut Vec<Problem>) {
+fn of_layer(
+    engine: &Engine,
+    elsewhere: &Elsewhere,
+    index: usize,
+    layer: &Layer,
+    found: &mut Vec<Problem>,
+) {
     let place = format!("/layers/{index}");
-    let mut tell = |severity, place: String, what: String, mend: &str| {
+    let mut tell = |severity, place: String, what: String, mend: &str, edits: Vec<Value>| {
         found.push(Problem {
             severity,
             place,
             layer: Some(text_of(&layer.id)),
             what,
             mend: mend.to_owned(),
+            edits,
         });
     };
     if let LayerKind::Unknown { kind } = &layer.kind {
@@ -134,19 +153,26 @@ fn of_layer(engine: &Engine, index: usize, layer: &Layer, found: &mut Vec<Proble
                 "expected imagery, height, noise or tint, found {kind:?}: the layer has no effect"
             ),
             "open the project with a newer Relievo, or remove the layer",
+            Vec::new(),
         );
         return;
     }
     match engine.sources().state(&layer.kind, engine.folder()) {
         Some(SourceState::Failed(reason)) => {
-            let mend = if reason.contains("the encoding of heights") {
-                "add an encoding, terrain-rgb or terrarium, to the layer"
+            let place = format!("{place}/path");
+            let (mend, edits) = if let Some(offer) = elsewhere.offer(engine, layer) {
+                offer
+            } else if reason.contains("the encoding of heights") {
+                let mend = "add an encoding, terrain-rgb or terrarium, to the layer";
+                (mend.to_owned(), Vec::new())
             } else if reason.contains("georeference") || reason.contains("a given extent") {
-                "add a georeference with crs and extent to the layer"
+                let mend = "add a georeference with crs and extent to the layer";
+                (mend.to_owned(), Vec::new())
             } else {
-                "correct the layer's path, restore the file, or remove the layer"
+                let mend = "correct the layer's path, restore the file, or remove the layer";
+                (mend.to_owned(), Vec::new())
             };
-            tell(Severity::Error, format!("{place}/path"), reason, mend);
+            tell(Severity::Error, place, reason, &mend, edits);
         }
         Some(SourceState::Open(file)) => {
             if let Some(what) = other_planet(engine.project(), file.info()) {
@@ -155,6 +181,7 @@ fn of_layer(engine: &Engine, index: usize, layer: &Layer, found: &mut Vec<Proble
                     format!("{place}/path"),
                     what,
                     "set the planet to the one of the data, or take another file",
+                    Vec::new(),
                 );
             }
         }
@@ -190,6 +217,7 @@ fn heights_for_tints(project: &Project, found: &mut Vec<Problem>) {
                 what: "expected visible heights to colour, found none: all is one colour"
                     .to_owned(),
                 mend: "add a height or noise layer, or show one".to_owned(),
+                edits: Vec::new(),
             });
         }
     }
@@ -210,6 +238,7 @@ fn unknown_fields<'a>(
                 "expected a field of this version, found {name:?}: it is kept but has no effect"
             ),
             mend: "correct the spelling, remove it, or use a newer Relievo".to_owned(),
+            edits: Vec::new(),
         });
     }
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use relievo_engine::planet::Camera;
 use relievo_engine::planet::camera::CameraError;
 use relievo_engine::{ClipKind, Engine, Frame, Severity, View};
-use relievo_gpu::{FrameStats, Gpu, GpuError, Renderer};
+use relievo_gpu::{FrameStats, Gpu, GpuError, Picture, Quality, ReadError, RenderError, Renderer};
 
 use super::progress::Progress;
 use super::{Context, Failure, project, units};
@@ -58,6 +58,9 @@ enum FrontEnd {
     Clipmap,
 }
 
+/// Samples along the smallest colour window that is worth drawing with.
+const LEAST_WINDOW: u32 = 256;
+
 /// How many frames may pass without a settled plan once nothing is missing.
 const MOST_SETTLING_FRAMES: u32 = 200;
 
@@ -82,14 +85,25 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         )));
     }
     let quality = picture::still_quality(&engine.project().quality, gpu.class);
-    let view = picture::view(camera, arguments.size, &engine.project().quality, &quality);
-    let renderer =
-        Renderer::new(&gpu, wgpu::TextureFormat::Rgba8Unorm, quality).map_err(Failure::input)?;
     let ready = Instant::now();
     let limit = arguments.time_limit.map(Duration::from_millis);
-    let still = Still::converge(&mut engine, view, &gpu, renderer, limit, context)?;
+    let mut device = Device {
+        gpu,
+        quality,
+        lost: false,
+    };
+    let (still, picture) = loop {
+        let settings = &engine.project().quality;
+        let view = picture::view(camera, arguments.size, settings, &device.quality);
+        match Still::draw(&mut engine, view, &device, limit, context) {
+            Ok(drawn) => break drawn,
+            Err(DrawFailure::Other(failure)) => return Err(failure),
+            Err(DrawFailure::Device(error)) => device.mend(&error, context)?,
+        }
+        engine.forget_uploads();
+    };
+    let Device { gpu, quality, .. } = device;
     let drawn = Instant::now();
-    let picture = still.renderer.read_back().map_err(Failure::system)?;
     picture::write(&arguments.output, &picture).map_err(Failure::system)?;
     if let Some(path) = &arguments.stats {
         let timings = Timings {
@@ -137,6 +151,48 @@ fn camera(arguments: &Arguments, engine: &Engine) -> Result<Camera, Failure> {
     Ok(camera)
 }
 
+/// What a picture is drawn with.
+struct Device {
+    gpu: Gpu,
+    quality: Quality,
+    /// Whether one was lost before.
+    lost: bool,
+}
+
+/// Why a picture is not drawn.
+enum DrawFailure {
+    /// The device, for which something may be done.
+    Device(RenderError),
+    /// Anything else.
+    Other(Failure),
+}
+
+impl Device {
+    /// Does what can be done about a failure of the device, and tells it: a lost one is replaced
+    /// once, one without room draws less finely.
+    fn mend(&mut self, error: &RenderError, context: &mut Context) -> Result<(), Failure> {
+        let smaller = self.quality.colour_window / 2;
+        match error {
+            RenderError::DeviceLost if !self.lost => {
+                context.note(format!("{error}; drawing once more on another"));
+                self.gpu = Gpu::headless().map_err(|e| Failure::System(with_cause(&e)))?;
+                self.lost = true;
+                Ok(())
+            }
+            RenderError::OutOfMemory(_) if smaller >= LEAST_WINDOW => {
+                context.note(format!(
+                    "{error}; drawing less finely, in colour windows of {smaller} samples"
+                ));
+                self.quality.colour_window = smaller;
+                Ok(())
+            }
+            RenderError::DeviceLost | RenderError::OutOfMemory(_) | RenderError::Upload(_) => {
+                Err(Failure::system(error))
+            }
+        }
+    }
+}
+
 /// A picture that is drawn.
 struct Still {
     renderer: Renderer,
@@ -149,6 +205,24 @@ struct Still {
 }
 
 impl Still {
+    /// Draws a picture and reads it back.
+    fn draw(
+        engine: &mut Engine,
+        view: View,
+        device: &Device,
+        limit: Option<Duration>,
+        context: &Context,
+    ) -> Result<(Self, Picture), DrawFailure> {
+        let format = wgpu::TextureFormat::Rgba8Unorm;
+        let renderer = Renderer::new(&device.gpu, format, device.quality)
+            .map_err(|e| DrawFailure::Other(Failure::input(e)))?;
+        let still = Self::converge(engine, view, &device.gpu, renderer, limit, context)?;
+        match still.renderer.read_back() {
+            Ok(picture) => Ok((still, picture)),
+            Err(ReadError::DeviceLost) => Err(DrawFailure::Device(RenderError::DeviceLost)),
+        }
+    }
+
     /// Draws until nothing is missing or the time is over.
     fn converge(
         engine: &mut Engine,
@@ -157,7 +231,7 @@ impl Still {
         mut renderer: Renderer,
         limit: Option<Duration>,
         context: &Context,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, DrawFailure> {
         let started = Instant::now();
         let progress = Progress::new("making tiles");
         engine.set_view(view);
@@ -166,10 +240,11 @@ impl Still {
         let mut settling = 0;
         loop {
             if context.cancel.is_cancelled() {
-                return Err(Failure::Cancelled);
+                return Err(DrawFailure::Other(Failure::Cancelled));
             }
             let Some(mut frame) = engine.drain(f32::INFINITY) else {
-                return Err(Failure::System("the view was not taken".to_owned()));
+                let text = "the view was not taken".to_owned();
+                return Err(DrawFailure::Other(Failure::System(text)));
             };
             let complete = frame.is_converged() && frame.uploads.is_empty();
             settling += u32::from(complete);
@@ -187,7 +262,7 @@ impl Still {
                     .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 let drawn = renderer
                     .render(&frame, &mut encoder)
-                    .map_err(Failure::system)?;
+                    .map_err(DrawFailure::Device)?;
                 gpu.queue.submit([encoder.finish()]);
                 frame.uploads.clear();
                 return Ok(Self {

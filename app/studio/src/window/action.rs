@@ -1,5 +1,7 @@
 //! What panels ask for.
 
+use std::path::PathBuf;
+
 use relievo_engine::project::{Edit, LayerId};
 
 use crate::commands::Command;
@@ -17,4 +19,8 @@ pub enum Action {
     Select(Option<LayerId>),
     /// Carries out a command.
     Run(Command),
+    /// Opens a project.
+    Open(PathBuf),
+    /// Forgets the projects that were open lately.
+    ClearRecent,
 }

@@ -6,6 +6,7 @@ use eframe::egui::{
     self, DragValue, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, WidgetInfo,
 };
 use relievo_engine::planet::Camera;
+use relievo_engine::relink::Link;
 
 use super::inbox::Purpose;
 use crate::commands::{Menu, TABLE};
@@ -71,6 +72,13 @@ pub(crate) enum Dialog {
     Help,
     /// A path to type, where the system has no file dialog.
     Path(Purpose, String),
+    /// Whether other missing files, found beside the one that was located, are linked, too.
+    Relink {
+        /// The layer and the file that was located.
+        link: Link,
+        /// The others, with the names of their layers.
+        beside: Vec<(Link, String)>,
+    },
 }
 
 /// An answer.
@@ -92,6 +100,8 @@ pub(crate) enum Answer {
     GoTo(Destination),
     /// Use this path.
     Path(Purpose, PathBuf),
+    /// Link these layers to these files.
+    Relink(Vec<Link>),
 }
 
 /// Draws a question; `None` until it is answered.
@@ -104,6 +114,7 @@ pub(crate) fn show(ctx: &egui::Context, dialog: &mut Dialog, name: &str) -> Opti
             Dialog::GoTo(destination) => go_to(ui, destination),
             Dialog::Help => help(ui),
             Dialog::Path(purpose, text) => path(ui, *purpose, text),
+            Dialog::Relink { link, beside } => relink(ui, link, beside),
         }
     });
     if modal.inner.is_none() && modal.should_close() {
@@ -150,6 +161,54 @@ fn changed_on_disk(ui: &mut Ui, name: &str) -> Option<Answer> {
                 .clicked()
                 .then_some(answer)
         })
+    })
+}
+
+fn relink(ui: &mut Ui, link: &Link, beside: &[(Link, String)]) -> Option<Answer> {
+    let folder = link.file.parent().unwrap_or(&link.file);
+    let (what, all) = match beside {
+        [(_, name)] => (
+            format!("Link {name}, too?"),
+            "Its file is missing, and one of its name lies in the same folder:",
+        ),
+        _ => (
+            format!("Link {} more layers?", beside.len()),
+            "Their files are missing, and files of their names lie in the same folder:",
+        ),
+    };
+    ui.heading(what);
+    ui.label(all);
+    ui.weak(folder.display().to_string());
+    ui.add_space(4.0);
+    let most = (ui.ctx().content_rect().height() - 220.0).clamp(60.0, 240.0);
+    ScrollArea::vertical().max_height(most).show(ui, |ui| {
+        for (other, name) in beside {
+            let file = other.file.file_name().unwrap_or_default();
+            ui.label(format!("{name}: {}", file.to_string_lossy()));
+        }
+    });
+    ui.add_space(8.0);
+    buttons(ui, |ui| {
+        let all = ui
+            .button(RichText::new("Link all").strong())
+            .on_hover_text("One undo step takes all of them back");
+        if ui.memory(|m| m.focused().is_none()) {
+            all.request_focus();
+        }
+        let one = ui
+            .button("Only the one")
+            .on_hover_text("The other layers stay as they are");
+        let cancel = ui.button("Cancel").on_hover_text("Nothing is linked");
+        if all.clicked() {
+            let others = beside.iter().map(|(other, _)| other.clone());
+            return Some(Answer::Relink(
+                std::iter::once(link.clone()).chain(others).collect(),
+            ));
+        }
+        if one.clicked() {
+            return Some(Answer::Relink(vec![link.clone()]));
+        }
+        cancel.clicked().then_some(Answer::Cancel)
     })
 }
 
@@ -302,6 +361,7 @@ fn path(ui: &mut Ui, purpose: Purpose, text: &mut String) -> Option<Answer> {
         Purpose::Save => ("Save project as", "Save"),
         Purpose::Add => ("Add a raster file", "Add"),
         Purpose::Picture => ("Save picture as", "Save"),
+        Purpose::Locate => ("Locate the layer's file", "Link"),
     };
     ui.heading(title);
     ui.weak("This desktop has no file dialog; type the path.");

@@ -8,9 +8,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use eframe::egui;
-use relievo_engine::project::SourceRole;
+use relievo_engine::project::{Project, SourceRole};
 use relievo_engine::raster::Bands;
 use relievo_engine::raster::open::{OpenOptions, open};
+use relievo_engine::relink::{self, Link};
 use relievo_gpu::Picture;
 
 use crate::picture;
@@ -52,6 +53,8 @@ pub(crate) enum Purpose {
     Add,
     /// To save the picture to.
     Picture,
+    /// To link a layer to.
+    Locate,
 }
 
 /// Something that happened on another thread.
@@ -68,6 +71,15 @@ pub(crate) enum Event {
     },
     /// What files to add hold, or one line that says why one cannot be used.
     Looked(Vec<(PathBuf, Result<SourceRole, String>)>),
+    /// A layer's file was located; others that were missing lie beside it.
+    Located {
+        /// The layer and its file.
+        link: Link,
+        /// The others and theirs.
+        beside: Vec<Link>,
+    },
+    /// Which of the recent projects are not there.
+    Missing(Vec<PathBuf>),
     /// A picture was saved.
     PictureSaved(Result<PathBuf, String>),
 }
@@ -149,6 +161,27 @@ impl Inbox {
         });
     }
 
+    /// Looks whether files that other layers miss lie beside the one that was chosen for a layer.
+    pub(crate) fn look_beside(&self, link: Link, project: Project, folder: PathBuf) {
+        self.work("relievo-locate", move || {
+            let mut missing = relink::missing(&project, &folder);
+            missing.retain(|other| other.layer != link.layer);
+            let beside = match link.file.parent() {
+                Some(folder) => relink::found_in(folder, &missing),
+                None => Vec::new(),
+            };
+            Event::Located { link, beside }
+        });
+    }
+
+    /// Looks which projects are not there.
+    pub(crate) fn look_for(&self, projects: Vec<PathBuf>) {
+        self.work("relievo-recent", move || {
+            let missing = projects.into_iter().filter(|p| !p.is_file());
+            Event::Missing(missing.collect())
+        });
+    }
+
     /// Writes a picture.
     pub(crate) fn save_picture(&self, path: PathBuf, picture: Picture) {
         self.work("relievo-picture", move || {
@@ -186,6 +219,10 @@ async fn ask(purpose: Purpose, dialog: rfd::AsyncFileDialog) -> Vec<PathBuf> {
             .add_filter("PNG", &["png"])
             .set_title("Save picture")
             .save_file()
+            .await),
+        Purpose::Locate => one(dialog
+            .set_title("Locate the layer's file")
+            .pick_file()
             .await),
         Purpose::Add => {
             let images = [

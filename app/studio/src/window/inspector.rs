@@ -103,7 +103,7 @@ impl Inspector {
         ui.push_id(&id.0, |ui| {
             ui.add_enabled_ui(!layer.locked, |ui| {
                 self.name(ui, layer, actions);
-                file(ui, engine, layer);
+                file(ui, engine, layer, actions);
                 let opacity = |opacity| Edit::SetOpacity {
                     id: id.clone(),
                     opacity,
@@ -182,7 +182,7 @@ impl Inspector {
 }
 
 /// What lies behind a layer.
-fn file(ui: &mut Ui, engine: &Engine, layer: &Layer) {
+fn file(ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Action>) {
     let Some(source) = layer.source() else { return };
     let state = engine.sources().state(&layer.kind, engine.folder());
     ui.horizontal(|ui| {
@@ -204,10 +204,14 @@ fn file(ui: &mut Ui, engine: &Engine, layer: &Layer) {
         }
         Some(SourceState::Opening(share)) => format!("being opened, {:.0} %", share * 100.0),
         Some(SourceState::Failed(reason)) => {
-            let text = RichText::new(format!("⚠ {reason}"))
+            let text = RichText::new(format!("! {reason}"))
                 .small()
                 .color(ui.visuals().error_fg_color);
             ui.add(egui::Label::new(text).wrap());
+            let entry = entry_of(Command::Locate);
+            if ui.button(entry.title).on_hover_text(entry.help).clicked() {
+                actions.push(Action::Run(Command::Locate));
+            }
             return;
         }
         None => return,

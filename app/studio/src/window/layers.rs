@@ -4,7 +4,7 @@ mod row;
 
 use eframe::egui::{self, Align, Layout, ScrollArea, Stroke, Ui};
 use relievo_engine::Engine;
-use relievo_engine::project::{Edit, LayerId};
+use relievo_engine::project::{Edit, Layer, LayerId};
 
 use super::action::Action;
 use crate::commands::{Command, entry_of};
@@ -94,6 +94,11 @@ fn target_index(engine: &Engine, dragged: &LayerId, gap: usize) -> Option<usize>
     let new_row = if gap > row { gap - 1 } else { gap };
     let index = (count - 1).checked_sub(new_row)?;
     (index != from).then_some(index)
+}
+
+/// What people call a layer.
+pub(crate) fn name_of(layer: &Layer) -> String {
+    row::display_name(layer)
 }
 
 /// The edit that moves a layer by one row, up the list or down.

@@ -100,8 +100,8 @@ pub(crate) fn show(ui: &mut Ui, engine: &Engine, log: &mut Log, actions: &mut Ve
 fn line(ui: &mut Ui, weight: Weight, text: &str) {
     let (sign, colour) = match weight {
         Weight::News => ("·", ui.visuals().text_color()),
-        Weight::Warning => ("⚠", ui.visuals().warn_fg_color),
-        Weight::Error => ("✖", ui.visuals().error_fg_color),
+        Weight::Warning => ("!", ui.visuals().warn_fg_color),
+        Weight::Error => ("×", ui.visuals().error_fg_color),
     };
     ui.horizontal_top(|ui| {
         ui.add(Label::new(RichText::new(sign).color(colour)).selectable(false));

@@ -8,53 +8,65 @@ use relievo_gpu::{FrameStats, Gpu, Picture, Quality, ReadError, RenderError, Ren
 
 use crate::picture;
 
+/// Samples along the smallest colour window that is worth drawing with.
+const LEAST_WINDOW: u32 = 256;
+
+/// Levels that a view of a whole planet needs.
+const LEAST_LAYERS: u32 = 32;
+
 /// A renderer for a window.
 pub(crate) struct Stage {
     gpu: Gpu,
     renderer: Arc<Mutex<Renderer>>,
     quality: Quality,
+    most_window: u32,
     stats: Option<FrameStats>,
 }
 
 impl Stage {
-    /// A stage on a window's device.
+    /// A stage on a window's device, with colour windows of at most `most_window` samples, as far as
+    /// the device's textures go.
     ///
     /// # Errors
     /// One line that says why the adapter does not do.
     pub(crate) fn new(
         state: &egui_wgpu::RenderState,
         settings: &project::Quality,
+        most_window: u32,
     ) -> Result<Self, String> {
         let limits = state.device.limits();
-        let quality = picture::quality(
-            settings,
-            Gpu::shared(&state.adapter, &state.device, &state.queue).class,
-        );
-        if limits.max_texture_dimension_2d < quality.colour_window
-            || limits.max_texture_array_layers < 32
-        {
+        let side = limits.max_texture_dimension_2d;
+        if side < LEAST_WINDOW || limits.max_texture_array_layers < LEAST_LAYERS {
             return Err(format!(
-                "the graphics adapter {} is too small: textures of {} pixels and {} layers, expected {} and 32",
+                "the graphics adapter {} is too small: textures of {side} pixels and {} layers, expected {LEAST_WINDOW} and {LEAST_LAYERS}",
                 state.adapter.get_info().name,
-                limits.max_texture_dimension_2d,
                 limits.max_texture_array_layers,
-                quality.colour_window
             ));
         }
         let gpu = Gpu::shared(&state.adapter, &state.device, &state.queue);
+        // Windows are powers of two.
+        let most_window = most_window.min(1 << side.ilog2());
+        let quality = limited(picture::quality(settings, gpu.class), most_window);
         let renderer =
             Renderer::new(&gpu, state.target_format, quality).map_err(|e| e.to_string())?;
         Ok(Self {
             gpu,
             renderer: Arc::new(Mutex::new(renderer)),
             quality,
+            most_window,
             stats: None,
         })
     }
 
     /// The quality that fits a project's settings on this adapter.
     pub(crate) fn quality_for(&self, settings: &project::Quality) -> Quality {
-        picture::quality(settings, self.gpu.class)
+        limited(picture::quality(settings, self.gpu.class), self.most_window)
+    }
+
+    /// The largest windows that are smaller than those it draws with; `None` at the smallest.
+    pub(crate) fn smaller_window(&self) -> Option<u32> {
+        let smaller = self.quality.colour_window / 2;
+        (smaller >= LEAST_WINDOW).then_some(smaller)
     }
 
     /// The quality it draws with.
@@ -80,7 +92,7 @@ impl Stage {
     /// Draws a frame into the stage's own picture. `rests` says whether nothing moves.
     ///
     /// # Errors
-    /// When the device is lost or an upload does not fit.
+    /// When the device is lost or has no room, or an upload does not fit.
     pub(crate) fn draw(&mut self, frame: &Frame, rests: bool) -> Result<(), RenderError> {
         let label = Some("stage/encoder");
         let mut encoder = self
@@ -107,6 +119,13 @@ impl Stage {
     /// When the device is lost.
     pub(crate) fn picture(&self) -> Result<Picture, ReadError> {
         lock(&self.renderer).read_back()
+    }
+}
+
+fn limited(quality: Quality, most_window: u32) -> Quality {
+    Quality {
+        colour_window: quality.colour_window.min(most_window),
+        ..quality
     }
 }
 

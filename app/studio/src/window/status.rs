@@ -61,7 +61,7 @@ pub(crate) fn show(
         place(ui, status, notation);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if status.problems > 0 {
-                let text = if status.problems == 1 { "⚠ 1 problem".to_owned() } else { format!("⚠ {} problems", status.problems) };
+                let text = if status.problems == 1 { "1 problem".to_owned() } else { format!("{} problems", status.problems) };
                 let text = RichText::new(text).color(ui.visuals().warn_fg_color);
                 if ui.add(Button::new(text).frame(false)).on_hover_text("Show or hide the messages").clicked() {
                     actions.push(Action::Run(Command::ToggleMessages));

@@ -13,6 +13,7 @@ use relievo_engine::raster::Cancel;
 use relievo_engine::{
     DEFAULT_DISK_CACHE_BYTES, EngineOptions, OpenError, Severity, default_cache_folder,
 };
+use relievo_gpu::OutOfMemory;
 
 use super::action::Action;
 use super::dialogs::{self, Dialog, Then};
@@ -23,10 +24,14 @@ use super::messages::{self, Log, Weight};
 use super::navigation::Navigation;
 use super::pace::Pace;
 use super::probe::Probe;
+use super::recent::{self, Recent};
 use super::stage::Stage;
 use super::status::{self, Notation, Status};
-use super::{layers, theme};
+use super::{layers, start, theme};
 use crate::commands::{self, Command, Menu, TABLE};
+
+/// How often files of the project are looked at.
+const WATCH: Duration = Duration::from_secs(1);
 
 /// How a studio works.
 #[derive(Clone, Debug)]
@@ -37,15 +42,18 @@ pub struct StudioOptions {
     pub cache_folder: Option<PathBuf>,
     /// Most that finished tiles take there, in bytes.
     pub disk_cache: u64,
+    /// Where the list of recent projects is kept; `None`: nowhere.
+    pub state_folder: Option<PathBuf>,
 }
 
 impl Default for StudioOptions {
-    /// All cores but one, the user's cache folder.
+    /// All cores but one, the user's folders.
     fn default() -> Self {
         Self {
             threads: None,
             cache_folder: default_cache_folder(),
             disk_cache: DEFAULT_DISK_CACHE_BYTES,
+            state_folder: recent::default_state_folder(),
         }
     }
 }
@@ -91,6 +99,11 @@ pub struct Studio {
     /// The camera of the picture that is shown.
     pub(super) drawn_camera: Option<Camera>,
     pub(super) frame_revision: u64,
+    /// The layer whose file is being located.
+    pub(super) locating: Option<LayerId>,
+    pub(super) recent: Recent,
+    /// Projects that come with the program.
+    pub(super) samples: Vec<PathBuf>,
     /// What happens once a save under a new name has succeeded.
     pub(super) after_save: Option<Then>,
     /// The window may close without a question.
@@ -98,6 +111,8 @@ pub struct Studio {
     restart: bool,
     /// The stage does not fit the project's quality any more.
     refit: bool,
+    /// Largest colour windows that the device has room for, as far as is known.
+    most_window: u32,
     /// Asks the window to close, once.
     interrupted: Option<Cancel>,
     title: String,
@@ -133,10 +148,14 @@ impl Studio {
             pace: Pace::default(),
             drawn_camera: None,
             frame_revision: 0,
+            locating: None,
+            recent: Recent::load(options.state_folder.as_deref()),
+            samples: start::samples(),
             after_save: None,
             closing: false,
             restart: false,
             refit: false,
+            most_window: u32::MAX,
             interrupted: None,
             title: String::new(),
             options,
@@ -151,12 +170,13 @@ impl Studio {
         self.title.clear();
         self.closing = false;
         self.set_stage(cc.wgpu_render_state.as_ref());
+        self.look_for_recent();
     }
 
     fn set_stage(&mut self, state: Option<&eframe::egui_wgpu::RenderState>) {
         let settings = &self.document.project().quality;
         let stage = state.ok_or_else(|| "the window has no graphics adapter".to_owned());
-        match stage.and_then(|state| Stage::new(state, settings)) {
+        match stage.and_then(|state| Stage::new(state, settings, self.most_window)) {
             Ok(stage) => {
                 stage.adapter().clone_into(&mut self.status.adapter);
                 (self.stage, self.stage_error) = (Some(stage), None);
@@ -204,7 +224,29 @@ impl Studio {
     pub fn open_project(&mut self, path: &Path) -> Result<(), OpenError> {
         let document = Document::open(path, engine_options(&self.options, &self.waker))?;
         self.show(document);
+        self.remember();
         Ok(())
+    }
+
+    /// Puts the open project on top of the recent ones.
+    pub(super) fn remember(&mut self) {
+        if let Some(path) = self.document.path() {
+            self.recent.add(path);
+            self.look_for_recent();
+        }
+    }
+
+    /// Looks which of the recent projects are there.
+    pub(super) fn look_for_recent(&self) {
+        if !self.recent.is_empty() {
+            self.inbox.look_for(self.recent.paths());
+        }
+    }
+
+    /// Whether nothing has been opened or made yet.
+    pub(super) fn is_blank(&self) -> bool {
+        let document = &self.document;
+        document.path().is_none() && document.project().layers.is_empty() && !document.is_changed()
     }
 
     /// Starts an empty project in place of the one that is open.
@@ -243,6 +285,23 @@ impl Studio {
             .is_some_and(|s| s.quality_for(settings) != s.quality());
     }
 
+    /// The device has no room for what is drawn: it is drawn less finely from now on.
+    pub(super) fn spend_less(&mut self, error: OutOfMemory, ctx: &egui::Context) {
+        let smaller = self.stage.as_ref().and_then(Stage::smaller_window);
+        // Its textures go first, or there would be no room for smaller ones.
+        self.stage = None;
+        if let Some(window) = smaller {
+            let text =
+                format!("{error}: colours are drawn less finely, in windows of {window} samples");
+            self.log.add(Weight::Warning, text);
+            self.most_window = window;
+            self.refit = true;
+            ctx.request_repaint();
+        } else {
+            self.stage_error = Some(error.to_string());
+        }
+    }
+
     /// The window's device is gone: another window takes the place of this one.
     pub(super) fn device_lost(&mut self, ctx: &egui::Context) {
         if !self.restart {
@@ -268,7 +327,8 @@ impl Studio {
         self.navigation.north_up(&planet, here_m, middle);
     }
 
-    fn menus(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    fn menus(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let mut recent_open = false;
         MenuBar::new().ui(ui, |ui| {
             for menu in Menu::ALL {
                 ui.menu_button(menu.title(), |ui| {
@@ -285,10 +345,38 @@ impl Studio {
                             actions.push(Action::Run(entry.command));
                             ui.close();
                         }
+                        if entry.command == Command::Open {
+                            recent_open |= self.recent_menu(ui, actions);
+                        }
                     }
                 });
             }
         });
+        if self.recent.opens(recent_open) {
+            self.look_for_recent();
+        }
+    }
+
+    /// The projects that were open lately; whether they are shown.
+    fn recent_menu(&self, ui: &mut Ui, actions: &mut Vec<Action>) -> bool {
+        if self.recent.is_empty() {
+            ui.add_enabled(false, egui::Button::new("Open recent"))
+                .on_disabled_hover_text("No project has been open yet");
+            return false;
+        }
+        let list = ui.menu_button("Open recent", |ui| {
+            ui.set_max_width(460.0);
+            if start::projects(ui, &self.recent, actions) {
+                ui.close();
+            }
+            ui.separator();
+            let clear = ui.button("Clear this list");
+            if clear.on_hover_text("The projects stay").clicked() {
+                actions.push(Action::ClearRecent);
+                ui.close();
+            }
+        });
+        list.inner.is_some()
     }
 
     /// A command's title with what it would do now.
@@ -321,6 +409,7 @@ impl Studio {
                 unlocked
             }
             Command::ZoomToLayer => layer.is_some_and(|l| l.source().is_some()),
+            Command::Locate => unlocked && layer.is_some_and(|l| l.source().is_some()),
             Command::Screenshot => self.stage.is_some(),
             Command::New
             | Command::Open
@@ -373,7 +462,7 @@ impl Studio {
         let bare = Frame::new().inner_margin(Margin::ZERO);
         CentralPanel::default()
             .frame(bare)
-            .show(ui, |ui| self.viewport(ui));
+            .show(ui, |ui| self.viewport(ui, actions));
     }
 
     /// Files that were dropped on the window: a project is opened, rasters become layers.
@@ -507,6 +596,7 @@ fn engine_options(options: &StudioOptions, waker: &Waker) -> EngineOptions {
         cache_folder: options.cache_folder.clone(),
         disk_cache: options.disk_cache,
         wake: Some(Arc::new(move || waker.wake())),
+        watch: Some(WATCH),
         ..EngineOptions::default()
     }
 }

@@ -12,13 +12,14 @@ use relievo_engine::planet::MapPoint;
 use relievo_engine::planet::camera::FlyInput;
 use relievo_gpu::{AdapterClass, RenderError};
 
+use super::action::Action;
 use super::messages::Weight;
 use super::navigation::Hit;
 use super::pace::REST_S as PICTURE_REST_S;
 use super::probe::Spot;
 use super::status::Pointed;
 use super::studio::{Dragging, Studio};
-use super::theme;
+use super::{start, theme};
 use crate::picture;
 
 /// Points that the wheel scrolls for one step of zoom.
@@ -35,7 +36,7 @@ const FASTER: f64 = 5.0;
 
 impl Studio {
     /// Draws the viewport into all that is left.
-    pub(super) fn viewport(&mut self, ui: &mut Ui) {
+    pub(super) fn viewport(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "View of the planet"));
         if rect.width() < 1.0 || rect.height() < 1.0 {
@@ -46,7 +47,13 @@ impl Studio {
         self.draw(ui, rect, dt_s);
         self.point(ui, rect, &response);
         self.compass(ui, rect);
-        self.notes(ui, rect);
+        if self.stage_error.is_some() {
+            self.notes(ui, rect);
+        } else if self.is_blank() {
+            start::show(ui, rect, &self.samples, &self.recent, actions);
+        } else {
+            self.notes(ui, rect);
+        }
     }
 
     fn steer(&mut self, ui: &Ui, rect: Rect, response: &Response, dt_s: f32) {
@@ -125,6 +132,7 @@ impl Studio {
             match stage.draw(&frame, self.pace.rests()) {
                 Ok(()) => {}
                 Err(RenderError::DeviceLost) => self.device_lost(ui.ctx()),
+                Err(RenderError::OutOfMemory(error)) => self.spend_less(error, ui.ctx()),
                 Err(error @ RenderError::Upload(_)) => {
                     self.log.add(Weight::Error, error.to_string());
                 }
@@ -289,7 +297,7 @@ impl Studio {
                 "Nothing can be drawn here:\n{reason}\n\nEverything else works; `relievo render` may, too."
             )
         } else if self.document.project().layers.is_empty() {
-            "Open a project (Ctrl+O), or drop raster files here".to_owned()
+            "Add files (Ctrl+Shift+O), or drop them here".to_owned()
         } else {
             return;
         };

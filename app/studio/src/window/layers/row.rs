@@ -71,14 +71,21 @@ pub(crate) fn show(
     };
     let title = if selected { title.strong() } else { title };
     lines.add(Label::new(title).truncate().selectable(false));
-    state_line(&mut lines, &state(engine, layer));
+    let state = state(engine, layer);
+    state_line(&mut lines, &state);
     let slot = Rect::from_min_max(Pos2::new(opacity_left, inner.top()), inner.max);
     let mut end = ui.new_child(
         UiBuilder::new()
             .max_rect(slot)
             .layout(Layout::top_down(Align::Max)),
     );
-    end.add_enabled_ui(!layer.locked, |ui| opacity(ui, layer, &name, actions));
+    end.add_enabled_ui(!layer.locked, |ui| {
+        if matches!(state, State::Broken(_)) {
+            locate(ui, layer, &name, actions);
+        } else {
+            opacity(ui, layer, &name, actions);
+        }
+    });
     if response.clicked() || response.secondary_clicked() || response.drag_started() {
         actions.push(Action::Select(Some(layer.id.clone())));
     }
@@ -213,6 +220,26 @@ fn opacity(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {
     );
 }
 
+/// Takes the place of the opacity where there is nothing to see.
+fn locate(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {
+    ui.add_space(6.0);
+    let response = ui.button("Locate…");
+    response.widget_info(|| {
+        WidgetInfo::labeled(
+            Role::Button,
+            ui.is_enabled(),
+            format!("Locate the file of {name}"),
+        )
+    });
+    if response
+        .on_hover_text(entry_of(Command::Locate).help)
+        .clicked()
+    {
+        actions.push(Action::Select(Some(layer.id.clone())));
+        actions.push(Action::Run(Command::Locate));
+    }
+}
+
 fn state(engine: &Engine, layer: &Layer) -> State {
     let kind = match &layer.kind {
         LayerKind::Imagery(_) => "imagery",
@@ -268,7 +295,7 @@ fn state_line(ui: &mut Ui, state: &State) {
                 .on_hover_text("Overviews of big files are made once and kept");
         }
         State::Broken(reason) => {
-            let text = RichText::new(format!("⚠ {reason}"))
+            let text = RichText::new(format!("! {reason}"))
                 .small()
                 .color(ui.visuals().error_fg_color);
             ui.add(Label::new(text).truncate().selectable(false))
@@ -282,11 +309,15 @@ fn context_menu(ui: &mut Ui, layer: &Layer, actions: &mut Vec<Action>) {
     let commands = [
         Command::ToggleVisible,
         Command::ZoomToLayer,
+        Command::Locate,
         Command::MoveUp,
         Command::MoveDown,
         Command::RemoveLayer,
     ];
     for command in commands {
+        if command == Command::Locate && layer.source().is_none() {
+            continue;
+        }
         let entry = entry_of(command);
         let button = egui::Button::new(entry.title).shortcut_text(entry.shortcut_text(ui.ctx()));
         let enabled = !locked || command == Command::ZoomToLayer;

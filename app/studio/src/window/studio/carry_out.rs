@@ -6,10 +6,11 @@ use eframe::egui::{self, ViewportCommand};
 use relievo_engine::SourceState;
 use relievo_engine::planet::MapPoint;
 use relievo_engine::project::{
-    Adjust, Blend, Edit, Layer, LayerKind, Noise, NoiseLayer, SaveProjectError, SourceRole, Tint,
-    TintInterpolation, TintLayer, TintStop, layer_from_source,
+    Adjust, Blend, Edit, Layer, LayerId, LayerKind, Noise, NoiseLayer, SaveProjectError,
+    SourceRole, Tint, TintInterpolation, TintLayer, TintStop, layer_from_source, resolve_path,
 };
 use relievo_engine::raster::crs::Crs;
+use relievo_engine::relink::{self, Link};
 
 use super::{Dragging, Studio};
 use crate::commands::Command;
@@ -56,6 +57,8 @@ impl Studio {
                 self.inspector.show_layer();
             }
             Action::Run(command) => self.run(command, ctx),
+            Action::Open(path) => self.unless_changed(Then::Open(path), ctx),
+            Action::ClearRecent => self.recent.clear(),
         }
     }
 
@@ -92,6 +95,10 @@ impl Studio {
                 self.edit_selected(command);
             }
             Command::ZoomToLayer => self.zoom_to_layer(),
+            Command::Locate => {
+                self.locating.clone_from(&self.selected);
+                self.pick(Purpose::Locate);
+            }
             Command::NorthUp => self.north_up(),
             Command::ResetView => self.fly_to(self.document.project().camera.to_camera()),
             Command::GoTo => self.dialog = Some(Dialog::GoTo(Destination::of(self.camera()))),
@@ -255,8 +262,63 @@ impl Studio {
             Purpose::Save => own.or_else(|| named("relievo")),
             Purpose::Picture => named("png"),
             Purpose::Open | Purpose::Add => own.or_else(|| Some(folder.join("file"))),
+            Purpose::Locate => self.located_beside().or(own),
         };
         self.inbox.pick(purpose, start);
+    }
+
+    /// Where the file of the layer that is being located was, if its folder is still there.
+    fn located_beside(&self) -> Option<PathBuf> {
+        let engine = self.document.engine();
+        let layer = engine.project().layer(self.locating.as_ref()?)?;
+        let file = resolve_path(engine.folder(), &layer.source()?.path);
+        file.parent().is_some_and(Path::is_dir).then_some(file)
+    }
+
+    /// Links a layer to a file that was chosen for it. Where files that other layers miss lie beside
+    /// it the user is asked about them first.
+    pub fn locate(&self, layer: LayerId, file: &Path) {
+        let file = std::path::absolute(file).unwrap_or_else(|_odd| file.to_owned());
+        let engine = self.document.engine();
+        let (project, folder) = (engine.project().clone(), engine.folder().to_owned());
+        self.inbox
+            .look_beside(Link { layer, file }, project, folder);
+    }
+
+    /// Links layers to files as one undo step.
+    fn relink(&mut self, links: &[Link]) {
+        match relink::relink(self.document.engine().folder(), links) {
+            Ok(Some(edit)) => {
+                self.edit(edit);
+                let files = if links.len() == 1 { "file" } else { "files" };
+                self.log
+                    .add(Weight::News, format!("linked {} {files}", links.len()));
+            }
+            Ok(None) => {}
+            Err(file) => {
+                let text = format!("expected a path in Unicode, found {file:?}");
+                self.log.add(Weight::Error, text);
+                self.panels.messages = true;
+            }
+        }
+    }
+
+    /// A file was located: asks about others that lie beside it, or links it.
+    fn located(&mut self, link: Link, beside: Vec<Link>) {
+        let project = self.document.project();
+        if project.layer(&link.layer).is_none() {
+            return;
+        }
+        let named = |other: Link| {
+            let layer = project.layer(&other.layer).filter(|l| !l.locked)?;
+            Some((other, layers::name_of(layer)))
+        };
+        let beside: Vec<_> = beside.into_iter().filter_map(named).collect();
+        if beside.is_empty() {
+            self.relink(&[link]);
+        } else {
+            self.dialog = Some(Dialog::Relink { link, beside });
+        }
     }
 
     /// Does something that loses the project, after asking about unsaved changes.
@@ -279,6 +341,7 @@ impl Studio {
                 if let Err(error) = self.open_project(&path) {
                     self.log.add(Weight::Error, error.to_string());
                     self.panels.messages = true;
+                    self.look_for_recent();
                 }
             }
             Then::New => self.start_new(),
@@ -296,6 +359,7 @@ impl Studio {
             Ok(()) => {
                 self.log
                     .add(Weight::News, format!("saved {}", self.document.name()));
+                self.remember();
                 if let Some(then) = self.after_save.take() {
                     self.go_on(then, ctx);
                 }
@@ -324,11 +388,13 @@ impl Studio {
                         let start = self.document.engine().folder().join("");
                         self.dialog = Some(Dialog::Path(purpose, start.display().to_string()));
                     } else if paths.is_empty() {
-                        self.after_save = None;
+                        (self.after_save, self.locating) = (None, None);
                     }
                     self.use_paths(purpose, paths, ctx);
                 }
                 Event::Looked(files) => self.add_sources(files),
+                Event::Located { link, beside } => self.located(link, beside),
+                Event::Missing(projects) => self.recent.set_missing(projects),
                 Event::PictureSaved(Ok(path)) => {
                     self.log.add(
                         Weight::News,
@@ -351,6 +417,11 @@ impl Studio {
             Purpose::Open => self.go_on(Then::Open(first), ctx),
             Purpose::Save => self.save(Some(&with_extension(first, "relievo")), true, ctx),
             Purpose::Add => self.inbox.look_at(paths),
+            Purpose::Locate => {
+                if let Some(layer) = self.locating.take() {
+                    self.locate(layer, &first);
+                }
+            }
             Purpose::Picture => match self
                 .stage
                 .as_ref()
@@ -368,7 +439,7 @@ impl Studio {
     /// Takes the answer to a dialog.
     pub(super) fn take_answer(&mut self, answer: Answer, ctx: &egui::Context) {
         match answer {
-            Answer::Cancel => self.after_save = None,
+            Answer::Cancel => (self.after_save, self.locating) = (None, None),
             Answer::Save(then) => {
                 self.after_save = Some(then);
                 self.save(None, false, ctx);
@@ -383,6 +454,7 @@ impl Studio {
             }
             Answer::GoTo(to) => self.fly_to(to.camera(self.camera())),
             Answer::Path(purpose, path) => self.use_paths(purpose, vec![path], ctx),
+            Answer::Relink(links) => self.relink(&links),
         }
     }
 }
