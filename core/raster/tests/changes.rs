@@ -7,10 +7,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
-use relievo_raster::file::Georeference;
+use relievo_raster::file::{Georeference, ReadError};
 use relievo_raster::open::{OpenOptions, open};
 use relievo_raster::write::{CogLayout, CogSamples, CogWork, Png, write_cog, write_png};
-use relievo_raster::{Bands, Block, Cancel, PixelRect, RasterFile, ReadError};
+use relievo_raster::{Bands, Block, Cancel, PixelRect, RasterFile};
 
 const SIDE: u32 = 300;
 
