@@ -270,9 +270,9 @@ impl Picture {
                     },
                 })
         };
-        // Pixels that were read while another program wrote belong to neither of the contents.
-        let unchanged = |pixels: DynamicImage| match content_hash(path) {
-            Ok(hash) if *hash.finalize().as_bytes() == self.content => Ok(pixels),
+        // What was read while another program wrote belongs to neither of the contents.
+        let unchanged = |read: Result<DynamicImage, ReadError>| match content_hash(path) {
+            Ok(hash) if *hash.finalize().as_bytes() == self.content => read,
             Ok(_other) => Err(ReadError::Io {
                 reason: CHANGED.to_owned(),
                 path: path.clone(),
@@ -284,7 +284,7 @@ impl Picture {
         };
         let pixels = self
             .pixels
-            .get_or_init(|| decode().and_then(unchanged))
+            .get_or_init(|| unchanged(decode()))
             .as_ref()
             .map_err(Clone::clone)?;
         let size = self.info.overviews[0];

@@ -31,6 +31,9 @@ const RENEW: Duration = Duration::from_hours(1);
 /// Prefix of files that are being written.
 const UNFINISHED: &str = ".new-";
 
+/// Files begun by this program: two folders of one program may be the same, so they count together.
+static UNFINISHED_FILES: AtomicU64 = AtomicU64::new(0);
+
 /// Unfinished files of programs that ended early are removed after this.
 const ABANDONED: Duration = Duration::from_hours(1);
 
@@ -48,7 +51,6 @@ pub(crate) struct Folder {
     room: AtomicU64,
     /// Whether writing failed.
     full: AtomicBool,
-    unfinished: AtomicU64,
 }
 
 /// A stored tile as the folder lists it.
@@ -68,7 +70,6 @@ impl Folder {
             known: Mutex::new(None),
             room: AtomicU64::new(0),
             full: AtomicBool::new(bound == 0),
-            unfinished: AtomicU64::new(0),
         }
     }
 
@@ -128,7 +129,7 @@ impl Folder {
         let path = self.path(name);
         let shard = path.parent().unwrap_or(&self.root);
         fs::create_dir_all(shard)?;
-        let n = self.unfinished.fetch_add(1, Ordering::Relaxed);
+        let n = UNFINISHED_FILES.fetch_add(1, Ordering::Relaxed);
         let unfinished = shard.join(format!("{UNFINISHED}{}-{n}", std::process::id()));
         let written = || -> io::Result<()> {
             let mut file = File::options()
