@@ -45,16 +45,20 @@ fn projects_in(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
+/// What is offered.
+pub(crate) struct Offers<'a> {
+    /// Projects that come with the program.
+    pub(crate) samples: &'a [PathBuf],
+    /// Projects that were open lately.
+    pub(crate) recent: &'a Recent,
+    /// Why nothing can be drawn, if nothing can.
+    pub(crate) trouble: Option<&'a str>,
+}
+
 /// Draws the offers in the middle of a rectangle, as many as fit.
-pub(crate) fn show(
-    ui: &mut Ui,
-    rect: Rect,
-    samples: &[PathBuf],
-    recent: &Recent,
-    actions: &mut Vec<Action>,
-) {
+pub(crate) fn show(ui: &mut Ui, rect: Rect, offers: &Offers, actions: &mut Vec<Action>) {
     let most = (rect.size() - vec2(32.0, 48.0)).max(vec2(120.0, 80.0));
-    let rows = 2 + samples.len().div_ceil(3) + recent.paths().len();
+    let rows = 2 + offers.samples.len().div_ceil(3) + offers.recent.paths().len();
     let wanted = vec2(WIDTH, 190.0 + 30.0 * rows as f32);
     let area = Align2::CENTER_CENTER.align_size_within_rect(wanted.min(most), rect);
     let mut ui = ui.new_child(UiBuilder::new().max_rect(area));
@@ -69,13 +73,20 @@ pub(crate) fn show(
         ui.set_max_height(area.height() - 36.0);
         ScrollArea::vertical()
             .auto_shrink([false, true])
-            .show(ui, |ui| content(ui, samples, recent, actions));
+            .show(ui, |ui| content(ui, offers, actions));
     });
 }
 
-fn content(ui: &mut Ui, samples: &[PathBuf], recent: &Recent, actions: &mut Vec<Action>) {
+fn content(ui: &mut Ui, offers: &Offers, actions: &mut Vec<Action>) {
     ui.label(RichText::new("Relievo").size(26.0).color(Color32::WHITE));
     ui.label("Terrain on a whole planet");
+    if let Some(reason) = offers.trouble {
+        let text = format!(
+            "Nothing can be drawn here: {reason}. Everything else works; `relievo render` may, too."
+        );
+        let text = RichText::new(text).color(ui.visuals().warn_fg_color);
+        ui.add(Label::new(text).wrap());
+    }
     ui.add_space(8.0);
     for (command, title) in [
         (Command::Open, "Open project…"),
@@ -89,19 +100,19 @@ fn content(ui: &mut Ui, samples: &[PathBuf], recent: &Recent, actions: &mut Vec<
             actions.push(Action::Run(command));
         }
     }
-    if !samples.is_empty() {
+    if !offers.samples.is_empty() {
         ui.add_space(8.0);
         ui.strong("Samples");
         ui.horizontal_wrapped(|ui| {
-            for path in samples {
+            for path in offers.samples {
                 open_button(ui, path, title_of(path), true, actions);
             }
         });
     }
-    if !recent.is_empty() {
+    if !offers.recent.is_empty() {
         ui.add_space(8.0);
         ui.strong("Recent");
-        projects(ui, recent, actions);
+        projects(ui, offers.recent, actions);
     }
     ui.add_space(8.0);
     ui.add(Label::new(RichText::new("Or drop a project or raster files here").weak()).wrap());

@@ -47,10 +47,13 @@ impl Studio {
         self.draw(ui, rect, dt_s);
         self.point(ui, rect, &response);
         self.compass(ui, rect);
-        if self.stage_error.is_some() {
-            self.notes(ui, rect);
-        } else if self.is_blank() {
-            start::show(ui, rect, &self.samples, &self.recent, actions);
+        if self.is_blank() {
+            let offers = start::Offers {
+                samples: &self.samples,
+                recent: &self.recent,
+                trouble: self.stage_error.as_deref(),
+            };
+            start::show(ui, rect, &offers, actions);
         } else {
             self.notes(ui, rect);
         }

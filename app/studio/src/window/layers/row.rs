@@ -223,7 +223,8 @@ fn opacity(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {
 /// Takes the place of the opacity where there is nothing to see.
 fn locate(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {
     ui.add_space(6.0);
-    let response = ui.button("Locate…");
+    let button = egui::Button::new(RichText::new("Locate…").small());
+    let response = ui.add(button.wrap_mode(egui::TextWrapMode::Extend));
     response.widget_info(|| {
         WidgetInfo::labeled(
             Role::Button,
