@@ -1,0 +1,311 @@
+//! All elements together: who decides a place's height.
+//!
+//! Inside an element its surface counts; among several the last in the list; insides beat side
+//! slopes. Outside of all, the ground is brought between the lowest and highest height that each
+//! element's sides leave, one after the other in the order of the list: where they agree that is
+//! their joint envelope, and where they contradict each other the later one wins, without a jump.
+//! Brushes act on what the elements before them made; elements narrower than two samples act by
+//! the share of a sample that they cover, on top of what lies below them in the list.
+
+use std::sync::Arc;
+
+use relievo_planet::MapPoint;
+
+use crate::frame::MapRect;
+use crate::patch::Patch;
+use crate::prepared::{Form, Shaped};
+use crate::solid::{Hit, Scratch, Solid};
+
+/// How an element came to decide a height.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Part {
+    /// Inside: its own surface.
+    Interior,
+    /// Its side slope lowered the ground.
+    Cut,
+    /// Its side slope raised the ground.
+    Fill,
+    /// A side slope next to a boundary that is steeper than it: it ends in walls.
+    Wall,
+    /// A stroke.
+    Brush,
+}
+
+/// A height, and which element decided it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Metres above the datum.
+    pub height_m: f64,
+    /// Position in the list of the last element that changed it, and how; `None` for the ground.
+    pub by: Option<(u32, Part)>,
+}
+
+/// Where heights are wanted.
+#[derive(Clone, Copy, Debug)]
+pub enum Samples<'a> {
+    /// Columns crossed with rows of the map, row by row: longitudes and colatitudes in radians.
+    Map {
+        /// Longitude of each column.
+        lon_rad: &'a [f64],
+        /// Colatitude of each row.
+        colat_rad: &'a [f64],
+    },
+    /// Places row by row, `width` in each row; neighbours should lie close together.
+    Places {
+        /// All places; a whole number of rows.
+        places: &'a [MapPoint],
+        /// Places in a row.
+        width: usize,
+    },
+}
+
+/// Side of the pieces that are evaluated together, samples.
+const BLOCK: usize = 16;
+
+/// A list of elements with heights, the first at the bottom.
+#[derive(Clone, Debug, Default)]
+pub struct Design {
+    elements: Vec<Arc<Shaped>>,
+}
+
+impl Design {
+    /// The elements in the order of the list: later ones win.
+    pub fn new(elements: Vec<Arc<Shaped>>) -> Self {
+        Self { elements }
+    }
+
+    /// The elements.
+    pub fn elements(&self) -> &[Arc<Shaped>] {
+        &self.elements
+    }
+
+    /// The exact height at a place whose ground has a height: that of an infinitely fine sample.
+    pub fn height(&self, place: MapPoint, ground_m: f64) -> Outcome {
+        let mut outcome = [Outcome {
+            height_m: ground_m,
+            by: None,
+        }];
+        self.outcomes(
+            &Samples::Places {
+                places: &[place],
+                width: 1,
+            },
+            0.0,
+            &mut outcome,
+        );
+        outcome[0]
+    }
+
+    /// Replaces the ground's heights, in metres, by the design's. `spacing_m` is the side of a
+    /// sample on the ground: elements narrower than two of them act by area coverage; 0 for exact
+    /// heights.
+    ///
+    /// The same to the bit for any division into calls.
+    ///
+    /// # Panics
+    /// If there are not as many heights as samples.
+    pub fn outcomes(&self, samples: &Samples, spacing_m: f64, outcomes: &mut [Outcome]) {
+        match *samples {
+            Samples::Map { lon_rad, colat_rad } => {
+                assert_eq!(
+                    outcomes.len(),
+                    lon_rad.len() * colat_rad.len(),
+                    "a height a sample"
+                );
+                let width = lon_rad.len();
+                for (band, rows) in colat_rad.chunks(BLOCK).enumerate() {
+                    for (column, columns) in lon_rad.chunks(BLOCK).enumerate() {
+                        let first = band * BLOCK * width + column * BLOCK;
+                        let patch = Patch::Map {
+                            lon_rad: columns,
+                            colat_rad: rows,
+                        };
+                        let rect = around(columns.iter().copied(), rows.iter().copied());
+                        self.block(
+                            &patch,
+                            rect,
+                            spacing_m,
+                            (first, columns.len(), width),
+                            outcomes,
+                        );
+                    }
+                }
+            }
+            Samples::Places { places, width } => {
+                assert_eq!(outcomes.len(), places.len(), "a height a sample");
+                let mut piece = Vec::new();
+                let height = places.len().checked_div(width).unwrap_or(0);
+                for row in (0..height).step_by(BLOCK) {
+                    for column in (0..width).step_by(BLOCK) {
+                        let columns = BLOCK.min(width - column);
+                        piece.clear();
+                        for r in row..(row + BLOCK).min(height) {
+                            let from = r * width + column;
+                            piece.extend_from_slice(&places[from..from + columns]);
+                        }
+                        let first = row * width + column;
+                        let patch = Patch::Places(&piece);
+                        self.block(&patch, None, spacing_m, (first, columns, width), outcomes);
+                    }
+                }
+            }
+        }
+    }
+
+    fn block(
+        &self,
+        patch: &Patch,
+        rect: Option<MapRect>,
+        spacing_m: f64,
+        (first, columns, width): (usize, usize, usize),
+        outcomes: &mut [Outcome],
+    ) {
+        let mut scratch = Scratch::default();
+        let mut hits: Vec<Option<Vec<Hit>>> = Vec::new();
+        let mut any = false;
+        for element in &self.elements {
+            let near = rect
+                .is_none_or(|r| element.footprint.boxes().iter().any(|b| b.overlaps(&r)))
+                || spacing_m > 0.0;
+            let hit = match &element.form {
+                Form::Solid(solid) if near => {
+                    let mut of_patch = Vec::new();
+                    let around = is_narrow(solid, spacing_m).then_some(spacing_m);
+                    let reached = solid.evaluate(patch, around, &mut scratch, &mut of_patch);
+                    any |= reached;
+                    reached.then_some(of_patch)
+                }
+                Form::Brush(_) if near => {
+                    any = true;
+                    None
+                }
+                Form::Solid(_) | Form::Brush(_) | Form::Nothing => None,
+            };
+            hits.push(hit);
+        }
+        if !any {
+            return;
+        }
+        let place = |k: usize| first + k / columns * width + k % columns;
+        let count = patch.len();
+        let ground: Vec<f64> = (0..count).map(|k| outcomes[place(k)].height_m).collect();
+        let mut heights = ground.clone();
+        let mut by: Vec<Option<(u32, Part)>> = vec![None; count];
+        // The last inside counts, and everything below it does not.
+        let mut inside: Vec<Option<u32>> = vec![None; count];
+        for (e, element) in self.elements.iter().enumerate().rev() {
+            let (Form::Solid(solid), Some(hits)) = (&element.form, &hits[e]) else {
+                continue;
+            };
+            if is_narrow(solid, spacing_m) {
+                continue;
+            }
+            for (k, hit) in hits.iter().enumerate() {
+                if let (None, Some(surface)) = (inside[k], hit.inside_m) {
+                    inside[k] = Some(e as u32);
+                    heights[k] = solid.inside(surface, ground[k]);
+                    by[k] = Some((e as u32, Part::Interior));
+                }
+            }
+        }
+        let mut acts = vec![true; count];
+        for (e, element) in self.elements.iter().enumerate() {
+            let number = e as u32;
+            match (&element.form, &hits[e]) {
+                (Form::Solid(solid), Some(hits)) => {
+                    let narrow = is_narrow(solid, spacing_m);
+                    for (k, hit) in hits.iter().enumerate() {
+                        let done = if narrow {
+                            (inside[k].is_none_or(|i| i < number))
+                                .then(|| solid.covered(hit, heights[k], spacing_m))
+                        } else {
+                            inside[k].is_none().then(|| solid.side(hit, heights[k]))
+                        };
+                        if let Some((height, part)) = done.flatten() {
+                            heights[k] = height;
+                            by[k] = Some((number, part));
+                        }
+                    }
+                }
+                (Form::Brush(brush), _) => {
+                    for (act, inside) in acts.iter_mut().zip(&inside) {
+                        *act = inside.is_none_or(|i| i < number);
+                    }
+                    brush.apply(
+                        patch,
+                        spacing_m,
+                        &mut scratch.positions,
+                        &mut heights,
+                        &acts,
+                        |k| by[k] = Some((number, Part::Brush)),
+                    );
+                }
+                (Form::Solid(_) | Form::Nothing, _) => {}
+            }
+        }
+        for (k, (height_m, by)) in heights.into_iter().zip(by).enumerate() {
+            if by.is_some() {
+                outcomes[place(k)] = Outcome { height_m, by };
+            }
+        }
+    }
+}
+
+fn is_narrow(solid: &Solid, spacing_m: f64) -> bool {
+    solid.width_m < 2.0 * spacing_m
+}
+
+/// The rectangle between the first and last of columns and rows; `None` where they are in no order.
+fn around(
+    lon: impl DoubleEndedIterator<Item = f64> + Clone,
+    colat: impl DoubleEndedIterator<Item = f64> + Clone,
+) -> Option<MapRect> {
+    let (west, east) = (lon.clone().next()?, lon.clone().next_back()?);
+    let (north, south) = (colat.clone().next()?, colat.clone().next_back()?);
+    let rising = |all: Vec<f64>| all.windows(2).all(|w| w[0] <= w[1]);
+    let ordered = rising(lon.collect()) && rising(colat.collect());
+    (ordered && east - west < 6.0).then_some(MapRect {
+        west_rad: west,
+        east_rad: east,
+        north_rad: north,
+        south_rad: south,
+    })
+}
+
+impl Solid {
+    /// Height inside.
+    fn inside(&self, surface_m: f64, ground_m: f64) -> f64 {
+        let height = if self.on_ground {
+            ground_m + surface_m
+        } else {
+            surface_m
+        };
+        // What only raises, or only lowers, leaves the ground where it is beyond that already.
+        if (!self.lowers && ground_m > height) || (!self.raises && ground_m < height) {
+            ground_m
+        } else {
+            height
+        }
+    }
+
+    /// What sides make of a height outside, if anything.
+    fn side(&self, hit: &Hit, before_m: f64) -> Option<(f64, Part)> {
+        let (low, high, steep) = self.limits(&hit.sides)?;
+        if before_m < low {
+            Some((low, if steep { Part::Wall } else { Part::Fill }))
+        } else if before_m > high {
+            Some((high, if steep { Part::Wall } else { Part::Cut }))
+        } else {
+            None
+        }
+    }
+
+    /// What an element narrower than two samples makes of a height.
+    fn covered(&self, hit: &Hit, before_m: f64, spacing_m: f64) -> Option<(f64, Part)> {
+        if hit.sides.distance_m.is_infinite() {
+            return None;
+        }
+        let (share, target) = self.cover(hit, before_m, spacing_m);
+        (share > 0.0).then_some((before_m + share * (target - before_m), Part::Interior))
+    }
+}
