@@ -106,6 +106,7 @@ impl Window {
             other @ (LayerKind::Imagery(_)
             | LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Vector(_)
             | LayerKind::Unknown { .. }) => panic!("expected a tint, found {}", other.name()),
         }
     }

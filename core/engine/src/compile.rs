@@ -236,7 +236,10 @@ impl Compiler<'_> {
                     NoiseMode::Add => self.add(layer, Arc::new(AddHeights), &[below, top]),
                 })
             }
-            LayerKind::Imagery(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => None,
+            LayerKind::Imagery(_)
+            | LayerKind::Tint(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. } => None,
         }
     }
 
@@ -336,7 +339,10 @@ impl Compiler<'_> {
                 let overlay = Overlay::new(blend_mode(tint.blend), opacity, false);
                 Some(self.add(layer, Arc::new(overlay), &[base, adjusted]))
             }
-            LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. } => None,
+            LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. } => None,
         }
     }
 

@@ -31,7 +31,7 @@ pub fn missing(project: &Project, folder: &Path) -> Vec<Link> {
     let links = project.layers.iter().filter_map(|layer| {
         Some(Link {
             layer: layer.id.clone(),
-            file: resolve_path(folder, &layer.source()?.path),
+            file: resolve_path(folder, layer.path()?),
         })
     });
     links.filter(|link| !link.file.is_file()).collect()

@@ -387,7 +387,10 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
             let chosen = l.band.map(|b| vec![b]);
             (&l.source, Bands::Height, chosen, Stretch::Auto)
         }
-        LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => return None,
+        LayerKind::Noise(_)
+        | LayerKind::Tint(_)
+        | LayerKind::Vector(_)
+        | LayerKind::Unknown { .. } => return None,
     };
     let place = source.georeference.as_ref();
     let (crs, extent) = (

@@ -1,9 +1,13 @@
 //! Applying an edit: the one place where a project changes.
 
+mod elements;
+mod scenarios;
+
 use core::mem;
 
 use crate::stored::edits;
-use crate::{Adjust, Blend, Edit, Fault, Layer, LayerId, LayerKind, Project, Source};
+use crate::stored::fault::At;
+use crate::{Adjust, Blend, Edit, Fault, Layer, LayerId, LayerKind, Project, Source, VectorLayer};
 
 /// Deepest nesting of batches.
 const DEEPEST_BATCH: usize = 8;
@@ -49,6 +53,52 @@ pub enum EditError {
         /// The limit.
         most: usize,
     },
+    /// No planning element has this id there.
+    #[error("expected the id of an element of {place}, found {id:?}")]
+    NoSuchElement {
+        /// The id.
+        id: String,
+        /// The base or a scenario.
+        place: String,
+    },
+    /// No scenario has this id.
+    #[error("expected the id of a scenario, found {id:?}")]
+    NoSuchScenario {
+        /// The id.
+        id: String,
+    },
+    /// A scenario that others are based on cannot go.
+    #[error("expected a scenario that no other is based on, found {child:?} based on {id:?}")]
+    HasChildren {
+        /// The scenario.
+        id: String,
+        /// One that is based on it.
+        child: String,
+    },
+    /// Parents of scenarios would go round in a circle.
+    #[error("expected a tree of scenarios, found {parent:?} based on {id:?} already")]
+    Cycle {
+        /// The scenario.
+        id: String,
+        /// The parent it was to have.
+        parent: String,
+    },
+    /// No bookmark has this position.
+    #[error("expected the position of one of {count} bookmarks, found {index}")]
+    NoSuchBookmark {
+        /// How many there are.
+        count: usize,
+        /// The position.
+        index: usize,
+    },
+    /// The project would have more of something than a file may hold.
+    #[error("expected at most {most} {what}, found one more")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        most: usize,
+    },
     /// A value is out of its range or not well formed.
     #[error("{0}")]
     Invalid(#[from] Fault),
@@ -74,7 +124,7 @@ impl Project {
         if depth(&edit) > DEEPEST_BATCH {
             return Err(EditError::TooDeep);
         }
-        edits::check(&edit)?;
+        edits::check(&edit, &At::Root)?;
         self.apply_checked(edit)
     }
 
@@ -139,7 +189,15 @@ impl Project {
                 Edit::SetEdgeFade { id, edge_fade_m }
             }
             Edit::SetPath { id, path } => {
-                let path = mem::replace(&mut self.source_mut(&id, "file")?.path, path);
+                let slot = match &mut self.layer_mut(&id)?.kind {
+                    LayerKind::Vector(vector) => &mut vector.path,
+                    LayerKind::Imagery(_)
+                    | LayerKind::Height(_)
+                    | LayerKind::Noise(_)
+                    | LayerKind::Tint(_)
+                    | LayerKind::Unknown { .. } => &mut self.source_mut(&id, "file")?.path,
+                };
+                let path = mem::replace(slot, path);
                 Edit::SetPath { id, path }
             }
             Edit::SetGeoreference { id, georeference } => {
@@ -230,8 +288,116 @@ impl Project {
             Edit::SetQuality { quality } => Edit::SetQuality {
                 quality: mem::replace(&mut self.quality, quality),
             },
+            Edit::SetVectorStyle { id, style } => {
+                let style = mem::replace(&mut self.vector_mut(&id, "style")?.style, *style);
+                let style = Box::new(style);
+                Edit::SetVectorStyle { id, style }
+            }
+            Edit::SetVectorSource {
+                id,
+                source_layer,
+                crs,
+            } => {
+                let vector = self.vector_mut(&id, "source layer")?;
+                Edit::SetVectorSource {
+                    source_layer: mem::replace(&mut vector.source_layer, source_layer),
+                    crs: mem::replace(&mut vector.crs, crs),
+                    id,
+                }
+            }
             Edit::Batch { label, edits } => self.apply_batch(label, edits)?,
+            other => self.apply_planning(other)?,
         })
+    }
+
+    /// Edits of elements, scenarios and bookmarks.
+    fn apply_planning(&mut self, edit: Edit) -> Result<Edit, EditError> {
+        match edit {
+            Edit::AddElement {
+                scenario,
+                index,
+                element,
+            } => self.add_element(scenario, index, element),
+            Edit::RemoveElement { scenario, id } => self.remove_element(scenario, id),
+            Edit::ReplaceElement { scenario, element } => self.replace_element(scenario, element),
+            Edit::MoveElement {
+                scenario,
+                id,
+                index,
+            } => self.move_element(scenario, id, index),
+            Edit::SetElementName { scenario, id, name } => {
+                self.edit_element(scenario, id, |element, id| Edit::SetElementName {
+                    scenario: None,
+                    id,
+                    name: mem::replace(&mut element.name, name),
+                })
+            }
+            Edit::SetElementVisible {
+                scenario,
+                id,
+                visible,
+            } => self.edit_element(scenario, id, |element, id| Edit::SetElementVisible {
+                scenario: None,
+                id,
+                visible: mem::replace(&mut element.visible, visible),
+            }),
+            Edit::SetElementLocked {
+                scenario,
+                id,
+                locked,
+            } => self.edit_element(scenario, id, |element, id| Edit::SetElementLocked {
+                scenario: None,
+                id,
+                locked: mem::replace(&mut element.locked, locked),
+            }),
+            Edit::SetElementStyle {
+                scenario,
+                id,
+                style,
+            } => self.edit_element(scenario, id, |element, id| Edit::SetElementStyle {
+                scenario: None,
+                id,
+                style: mem::replace(&mut element.style, style),
+            }),
+            Edit::SetChange {
+                scenario,
+                id,
+                index,
+                change,
+            } => self.set_change(scenario, id, index, change),
+            Edit::SetChanges { scenario, changes } => self.set_changes(scenario, changes),
+            Edit::AddScenario { index, scenario } => self.add_scenario(index, *scenario),
+            Edit::RemoveScenario { id } => self.remove_scenario(&id),
+            Edit::RenameScenario { id, name } => {
+                let name = mem::replace(&mut self.scenario_mut(&id)?.name, name);
+                Ok(Edit::RenameScenario { id, name })
+            }
+            Edit::DuplicateScenario { id, new_id, name } => {
+                self.duplicate_scenario(&id, new_id, name)
+            }
+            Edit::MergeScenario { id } => self.merge_scenario(&id),
+            Edit::SetScenarioParent { id, parent } => self.set_scenario_parent(id, parent),
+            Edit::SetScenarioLayer {
+                scenario,
+                id,
+                index,
+                layer,
+            } => self.set_scenario_layer(scenario, id, index, layer),
+            Edit::ShowScenario { id } => self.show_scenario(id),
+            Edit::AddBookmark { index, bookmark } => self.add_bookmark(index, bookmark),
+            Edit::RemoveBookmark { index } => {
+                self.expect_bookmark(index)?;
+                Ok(Edit::AddBookmark {
+                    index: Some(index),
+                    bookmark: self.bookmarks.remove(index),
+                })
+            }
+            Edit::ReplaceBookmark { index, bookmark } => Ok(Edit::ReplaceBookmark {
+                index,
+                bookmark: mem::replace(self.expect_bookmark(index)?, bookmark),
+            }),
+            _layers_and_settings => unreachable!("applied by the caller"),
+        }
     }
 
     fn apply_batch(&mut self, label: String, edits: Vec<Edit>) -> Result<Edit, EditError> {
@@ -295,7 +461,10 @@ impl Project {
                 };
                 mem::replace(&mut height.band, band).map(|band| vec![band])
             }
-            LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => {
+            LayerKind::Noise(_)
+            | LayerKind::Tint(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. } => {
                 return Err(wrong_kind(layer, "bands", "an imagery or height layer"));
             }
         };
@@ -317,14 +486,15 @@ impl Project {
         match &mut layer.kind {
             LayerKind::Imagery(imagery) => Ok(&mut imagery.source),
             LayerKind::Height(height) => Ok(&mut height.source),
-            kind @ (LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. }) => {
-                Err(EditError::WrongKind {
-                    id: id.0.clone(),
-                    what,
-                    expected: "an imagery or height layer",
-                    kind: kind.name().to_owned(),
-                })
-            }
+            kind @ (LayerKind::Noise(_)
+            | LayerKind::Tint(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. }) => Err(EditError::WrongKind {
+                id: id.0.clone(),
+                what,
+                expected: "an imagery or height layer",
+                kind: kind.name().to_owned(),
+            }),
         }
     }
 
@@ -337,15 +507,33 @@ impl Project {
         match &mut layer.kind {
             LayerKind::Imagery(imagery) => Ok((&mut imagery.blend, &mut imagery.adjust)),
             LayerKind::Tint(tint) => Ok((&mut tint.blend, &mut tint.adjust)),
-            kind @ (LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. }) => {
-                Err(EditError::WrongKind {
-                    id: id.0.clone(),
-                    what,
-                    expected: "an imagery or tint layer",
-                    kind: kind.name().to_owned(),
-                })
-            }
+            kind @ (LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. }) => Err(EditError::WrongKind {
+                id: id.0.clone(),
+                what,
+                expected: "an imagery or tint layer",
+                kind: kind.name().to_owned(),
+            }),
         }
+    }
+}
+
+impl Project {
+    fn vector_mut(
+        &mut self,
+        id: &LayerId,
+        what: &'static str,
+    ) -> Result<&mut VectorLayer, EditError> {
+        let layer = self.layer_mut(id)?;
+        if !matches!(layer.kind, LayerKind::Vector(_)) {
+            return Err(wrong_kind(layer, what, "a vector layer"));
+        }
+        let LayerKind::Vector(vector) = &mut layer.kind else {
+            unreachable!("a vector layer")
+        };
+        Ok(vector)
     }
 }
 
@@ -361,6 +549,13 @@ fn wrong_kind(layer: &Layer, what: &'static str, expected: &'static str) -> Edit
 /// Depth of nested batches, counted no further than one beyond the limit.
 fn depth(edit: &Edit) -> usize {
     fn below(edit: &Edit, left: usize) -> usize {
+        // Their inverses may be batches.
+        if matches!(
+            edit,
+            Edit::RemoveScenario { .. } | Edit::MergeScenario { .. }
+        ) {
+            return 1;
+        }
         if let (Edit::Batch { edits, .. }, 1..) = (edit, left) {
             1 + edits
                 .iter()

@@ -1,8 +1,10 @@
 //! The runtime document: plain values that the engine compiles and the window shows.
 
+use std::sync::Arc;
+
 use relievo_planet::{Camera, Planet};
 
-use crate::{Layer, LayerId};
+use crate::{Element, ElementId, Layer, LayerId, Scenario, ScenarioId};
 
 /// Fields of the file that this version does not know, in their order. They are written back as
 /// they came.
@@ -24,6 +26,15 @@ pub struct Project {
     pub sun: Sun,
     /// All layers, the bottom one first. Ids are unique.
     pub layers: Vec<Layer>,
+    /// Planning elements of the base, the bottom one first; later ones win. Ids are unique. What a
+    /// scenario makes of them: [`Project::elements_in`].
+    pub elements: Vec<Arc<Element>>,
+    /// Named deltas on the base. Ids are unique, parents exist and form a tree.
+    pub scenarios: Vec<Scenario>,
+    /// The scenario that is shown. `None`: the base.
+    pub scenario: Option<ScenarioId>,
+    /// Places to go back to.
+    pub bookmarks: Vec<Bookmark>,
     /// Unknown fields of the file.
     pub extra: Extra,
 }
@@ -38,6 +49,22 @@ impl Project {
     pub fn layer_index(&self, id: &LayerId) -> Option<usize> {
         self.layers.iter().position(|layer| layer.id == *id)
     }
+
+    /// Position of the base's element with this id, counted from the bottom.
+    pub fn element_index(&self, id: &ElementId) -> Option<usize> {
+        self.elements.iter().position(|element| element.id == *id)
+    }
+}
+
+/// A named place of the viewer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bookmark {
+    /// What people call it; up to 1000 bytes.
+    pub name: String,
+    /// Where the viewer is.
+    pub camera: CameraSettings,
+    /// Unknown fields of the file.
+    pub extra: Extra,
 }
 
 /// The planet's figure and how heights are shown on it.

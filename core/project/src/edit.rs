@@ -1,8 +1,11 @@
 //! Edits: the only way to change a project.
 
+use std::sync::Arc;
+
 use crate::{
-    Adjust, Blend, CameraSettings, Georeference, HeightEncoding, Layer, LayerId, Noise,
-    PlanetSettings, Quality, Resampling, Stretch, Sun, TileRows, Tint,
+    Adjust, Blend, Bookmark, CameraSettings, Change, Element, ElementId, ElementStyle,
+    Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Noise, PlanetSettings, Quality,
+    Resampling, Scenario, ScenarioId, Stretch, Sun, TileRows, Tint, VectorStyle,
 };
 
 /// One change of a project. Values replace the old ones as a whole.
@@ -175,6 +178,189 @@ pub enum Edit {
         /// The quality.
         quality: Quality,
     },
+    /// Changes how a vector layer's features are drawn.
+    SetVectorStyle {
+        /// Which vector layer.
+        id: LayerId,
+        /// The whole style.
+        style: Box<VectorStyle>,
+    },
+    /// Changes how a vector layer's file is read.
+    SetVectorSource {
+        /// Which vector layer.
+        id: LayerId,
+        /// Which layer of the file. `None`: the first.
+        source_layer: Option<String>,
+        /// The coordinate system. `None`: the file's own.
+        crs: Option<String>,
+    },
+    /// Adds a planning element.
+    AddElement {
+        /// Where: `None` is the base; of a scenario only its delta changes.
+        scenario: Option<ScenarioId>,
+        /// Position from the bottom. `None`: on top.
+        index: Option<usize>,
+        /// The element, its id not in use there.
+        element: Arc<Element>,
+    },
+    /// Removes a planning element.
+    RemoveElement {
+        /// Where: `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// Which.
+        id: ElementId,
+    },
+    /// Puts a planning element in the place of the one with its id: geometry, surface, side slopes,
+    /// or all of it.
+    ReplaceElement {
+        /// Where: `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// The element.
+        element: Arc<Element>,
+    },
+    /// Moves a planning element to a position counted from the bottom, itself taken out first.
+    MoveElement {
+        /// Where: `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// Which.
+        id: ElementId,
+        /// New position, below the number of elements there.
+        index: usize,
+    },
+    /// Changes what people call a planning element.
+    SetElementName {
+        /// Where: `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// Which.
+        id: ElementId,
+        /// The new name.
+        name: String,
+    },
+    /// Shows or hides a planning element.
+    SetElementVisible {
+        /// Where: `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// Which.
+        id: ElementId,
+        /// Whether it takes part.
+        visible: bool,
+    },
+    /// Locks or unlocks a planning element.
+    SetElementLocked {
+        /// Where: `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// Which.
+        id: ElementId,
+        /// Whether edits in the window are refused.
+        locked: bool,
+    },
+    /// Changes a planning element's colours.
+    SetElementStyle {
+        /// Where: `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// Which.
+        id: ElementId,
+        /// All colours.
+        style: ElementStyle,
+    },
+    /// Sets what a scenario changes about one element. The element edits come down to this in a
+    /// scenario, and so do their inverses; without `change` the element is as in the parent again.
+    SetChange {
+        /// Which scenario.
+        scenario: ScenarioId,
+        /// Which element.
+        id: ElementId,
+        /// Position among the scenario's changes, a change of this element taken out first. `None`:
+        /// where that was, else at the end.
+        index: Option<usize>,
+        /// The change, of a known kind. `None`: as in the parent.
+        change: Option<Change>,
+    },
+    /// Sets everything that a scenario changes: where an element's order concerns others.
+    SetChanges {
+        /// Which scenario.
+        scenario: ScenarioId,
+        /// The changes, each element at most once.
+        changes: Vec<Change>,
+    },
+    /// Adds a scenario.
+    AddScenario {
+        /// Position in the list. `None`: at the end.
+        index: Option<usize>,
+        /// The scenario, its id not in use, its parent there.
+        scenario: Box<Scenario>,
+    },
+    /// Removes a scenario that no other is based on. Where it is shown, its parent is shown instead.
+    RemoveScenario {
+        /// Which.
+        id: ScenarioId,
+    },
+    /// Changes what people call a scenario.
+    RenameScenario {
+        /// Which.
+        id: ScenarioId,
+        /// The new name.
+        name: String,
+    },
+    /// Makes a copy of a scenario, behind it in the list and with the same parent.
+    DuplicateScenario {
+        /// Which.
+        id: ScenarioId,
+        /// The copy's id, not in use.
+        new_id: ScenarioId,
+        /// The copy's name.
+        name: String,
+    },
+    /// Makes the changes of a scenario in its parent (the base where it has none) and removes the
+    /// scenario; those that were based on it are then based on its parent. Nothing of what it and
+    /// they show changes.
+    MergeScenario {
+        /// Which.
+        id: ScenarioId,
+    },
+    /// Bases a scenario on another.
+    SetScenarioParent {
+        /// Which.
+        id: ScenarioId,
+        /// On which, not itself nor one that is based on it. `None`: the base.
+        parent: Option<ScenarioId>,
+    },
+    /// Sets how a scenario shows one layer.
+    SetScenarioLayer {
+        /// Which scenario.
+        scenario: ScenarioId,
+        /// Which layer.
+        id: LayerId,
+        /// Position among the scenario's layers, that of this layer taken out first. `None`: where
+        /// that was, else at the end.
+        index: Option<usize>,
+        /// How; its id is `id`. `None`: as in the parent.
+        layer: Option<LayerOverride>,
+    },
+    /// Shows a scenario.
+    ShowScenario {
+        /// Which. `None`: the base.
+        id: Option<ScenarioId>,
+    },
+    /// Adds a place to go back to.
+    AddBookmark {
+        /// Position in the list. `None`: at the end.
+        index: Option<usize>,
+        /// The place.
+        bookmark: Bookmark,
+    },
+    /// Removes a bookmark.
+    RemoveBookmark {
+        /// Position in the list.
+        index: usize,
+    },
+    /// Puts a bookmark in the place of another: renamed, or somewhere else.
+    ReplaceBookmark {
+        /// Position in the list.
+        index: usize,
+        /// The place.
+        bookmark: Bookmark,
+    },
     /// Several edits, in order, as one: all or none take effect.
     Batch {
         /// What people call it, for the undo menu; empty: the first edit's label.
@@ -194,6 +380,28 @@ pub enum Affects {
         /// What of it.
         aspect: Aspect,
     },
+    /// One aspect of one planning element.
+    Element {
+        /// In which scenario; `None` is the base.
+        scenario: Option<ScenarioId>,
+        /// Which.
+        id: ElementId,
+        /// What of it.
+        aspect: Aspect,
+    },
+    /// A scenario: its place in the tree or how it shows layers. Which one is shown may change too.
+    Scenario {
+        /// Which.
+        id: ScenarioId,
+    },
+    /// Any elements and layers of the base, and so of every scenario.
+    Base,
+    /// A scenario's name: no pixel changes.
+    ScenarioName,
+    /// Which scenario is shown.
+    Shown,
+    /// The bookmarks: no pixel changes.
+    Bookmarks,
     /// The planet's figure.
     Planet,
     /// The exaggeration only.
@@ -237,6 +445,10 @@ pub enum Aspect {
     Noise,
     /// Its tint.
     Tint,
+    /// An element's geometry, heights or side slopes.
+    Shape,
+    /// Its colours: of an element, or of a vector layer's features.
+    Style,
 }
 
 impl Aspect {

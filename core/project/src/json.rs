@@ -62,9 +62,61 @@ impl Project {
 
 /// A value as canonical text.
 fn pretty(value: &Value) -> String {
-    let mut text = serde_json::to_string_pretty(value).expect("a JSON value is always text");
+    let mut text = String::new();
+    write_value(value, 0, false, &mut text);
     text.push('\n');
     text
+}
+
+/// Writes a value with two spaces of indent, one element a line; numbers of an array within an array
+/// (a vertex) share a line.
+fn write_value(value: &Value, depth: usize, in_array: bool, text: &mut String) {
+    let line = |text: &mut String, depth: usize| {
+        text.push('\n');
+        text.extend(core::iter::repeat_n("  ", depth));
+    };
+    match value {
+        Value::Array(items) if items.is_empty() => text.push_str("[]"),
+        Value::Array(items) if in_array && items.iter().all(Value::is_number) => {
+            text.push('[');
+            for (i, item) in items.iter().enumerate() {
+                text.push_str(if i == 0 { "" } else { ", " });
+                write_value(item, depth, true, text);
+            }
+            text.push(']');
+        }
+        Value::Array(items) => {
+            text.push('[');
+            for (i, item) in items.iter().enumerate() {
+                text.push_str(if i == 0 { "" } else { "," });
+                line(text, depth + 1);
+                write_value(item, depth + 1, true, text);
+            }
+            line(text, depth);
+            text.push(']');
+        }
+        Value::Object(members) if members.is_empty() => text.push_str("{}"),
+        Value::Object(members) => {
+            text.push('{');
+            for (i, (name, member)) in members.iter().enumerate() {
+                text.push_str(if i == 0 { "" } else { "," });
+                line(text, depth + 1);
+                write_leaf(&Value::String(name.clone()), text);
+                text.push_str(": ");
+                write_value(member, depth + 1, false, text);
+            }
+            line(text, depth);
+            text.push('}');
+        }
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {
+            write_leaf(value, text);
+        }
+    }
+}
+
+fn write_leaf(value: &Value, text: &mut String) {
+    use core::fmt::Write as _;
+    write!(text, "{value}").expect("a text takes what is written");
 }
 
 /// What can be wrong with a value that should be a project.

@@ -1,5 +1,7 @@
 //! What an edit touches and what people call it.
 
+mod planning;
+
 use crate::{Affects, Aspect, Edit, LayerId, Project};
 
 impl Edit {
@@ -25,8 +27,31 @@ impl Edit {
             | Self::SetBands { id, .. }
             | Self::SetHeightScale { id, .. }
             | Self::SetNoise { id, .. }
-            | Self::SetTint { id, .. } => Some(id),
-            Self::SetPlanet { .. }
+            | Self::SetTint { id, .. }
+            | Self::SetVectorStyle { id, .. }
+            | Self::SetVectorSource { id, .. }
+            | Self::SetScenarioLayer { id, .. } => Some(id),
+            Self::AddElement { .. }
+            | Self::RemoveElement { .. }
+            | Self::ReplaceElement { .. }
+            | Self::MoveElement { .. }
+            | Self::SetElementName { .. }
+            | Self::SetElementVisible { .. }
+            | Self::SetElementLocked { .. }
+            | Self::SetElementStyle { .. }
+            | Self::SetChange { .. }
+            | Self::SetChanges { .. }
+            | Self::AddScenario { .. }
+            | Self::RemoveScenario { .. }
+            | Self::RenameScenario { .. }
+            | Self::DuplicateScenario { .. }
+            | Self::MergeScenario { .. }
+            | Self::SetScenarioParent { .. }
+            | Self::ShowScenario { .. }
+            | Self::AddBookmark { .. }
+            | Self::RemoveBookmark { .. }
+            | Self::ReplaceBookmark { .. }
+            | Self::SetPlanet { .. }
             | Self::SetExaggeration { .. }
             | Self::SetCamera { .. }
             | Self::SetSun { .. }
@@ -65,6 +90,39 @@ impl Edit {
             Self::SetHeightScale { .. } => Aspect::HeightScale,
             Self::SetNoise { .. } => Aspect::Noise,
             Self::SetTint { .. } => Aspect::Tint,
+            Self::SetVectorStyle { .. } => Aspect::Style,
+            Self::SetVectorSource { .. } => Aspect::Source,
+            Self::AddElement { .. }
+            | Self::RemoveElement { .. }
+            | Self::ReplaceElement { .. }
+            | Self::MoveElement { .. }
+            | Self::SetElementName { .. }
+            | Self::SetElementVisible { .. }
+            | Self::SetElementLocked { .. }
+            | Self::SetElementStyle { .. }
+            | Self::SetChange { .. } => return all.extend(self.affected_element()),
+            Self::SetChanges { scenario: id, .. }
+            | Self::SetScenarioLayer { scenario: id, .. }
+            | Self::SetScenarioParent { id, .. }
+            | Self::RemoveScenario { id } => {
+                return all.push(Affects::Scenario { id: id.clone() });
+            }
+            Self::AddScenario { scenario, .. } => {
+                return all.push(Affects::Scenario {
+                    id: scenario.id.clone(),
+                });
+            }
+            Self::DuplicateScenario { new_id: id, .. } => {
+                return all.push(Affects::Scenario { id: id.clone() });
+            }
+            Self::RenameScenario { .. } => return all.push(Affects::ScenarioName),
+            Self::MergeScenario { id } => {
+                return all.extend([Affects::Scenario { id: id.clone() }, Affects::Base]);
+            }
+            Self::ShowScenario { .. } => return all.push(Affects::Shown),
+            Self::AddBookmark { .. }
+            | Self::RemoveBookmark { .. }
+            | Self::ReplaceBookmark { .. } => return all.push(Affects::Bookmarks),
             Self::SetPlanet { .. } => return all.extend([Affects::Planet, Affects::Exaggeration]),
             Self::SetExaggeration { .. } => return all.push(Affects::Exaggeration),
             Self::SetCamera { .. } => return all.push(Affects::Camera),
@@ -106,6 +164,29 @@ impl Edit {
             Self::SetHeightScale { .. } => "Height scale of",
             Self::SetNoise { .. } => "Noise of",
             Self::SetTint { .. } => "Colours of",
+            Self::SetVectorStyle { .. } => "Style of",
+            Self::SetVectorSource { .. } => "Source of",
+            Self::AddElement { .. }
+            | Self::RemoveElement { .. }
+            | Self::ReplaceElement { .. }
+            | Self::MoveElement { .. }
+            | Self::SetElementName { .. }
+            | Self::SetElementVisible { .. }
+            | Self::SetElementLocked { .. }
+            | Self::SetElementStyle { .. }
+            | Self::SetChange { .. }
+            | Self::SetChanges { .. }
+            | Self::AddScenario { .. }
+            | Self::RemoveScenario { .. }
+            | Self::RenameScenario { .. }
+            | Self::DuplicateScenario { .. }
+            | Self::MergeScenario { .. }
+            | Self::SetScenarioParent { .. }
+            | Self::SetScenarioLayer { .. }
+            | Self::ShowScenario { .. }
+            | Self::AddBookmark { .. }
+            | Self::RemoveBookmark { .. }
+            | Self::ReplaceBookmark { .. } => return self.planning_label(project),
             Self::SetPlanet { .. } => return "Planet".to_owned(),
             Self::SetExaggeration { .. } => return "Vertical exaggeration".to_owned(),
             Self::SetCamera { .. } => return "Camera".to_owned(),
@@ -135,27 +216,51 @@ impl Edit {
     }
 
     /// Edits with equal keys set the same value of the same thing.
-    pub(crate) fn merge_key(&self) -> Option<(core::mem::Discriminant<Self>, Option<LayerId>)> {
-        let replaces_a_value = !matches!(
-            self,
-            Self::AddLayer { .. } | Self::RemoveLayer { .. } | Self::Batch { .. }
-        );
-        replaces_a_value.then(|| (core::mem::discriminant(self), self.layer_id().cloned()))
+    pub(crate) fn merge_key(&self) -> Option<(core::mem::Discriminant<Self>, String)> {
+        let thing = match self {
+            Self::AddLayer { .. }
+            | Self::RemoveLayer { .. }
+            | Self::Batch { .. }
+            | Self::AddElement { .. }
+            | Self::RemoveElement { .. }
+            | Self::SetChange { .. }
+            | Self::AddScenario { .. }
+            | Self::RemoveScenario { .. }
+            | Self::DuplicateScenario { .. }
+            | Self::MergeScenario { .. }
+            | Self::SetScenarioLayer { .. }
+            | Self::AddBookmark { .. }
+            | Self::RemoveBookmark { .. } => return None,
+            Self::ReplaceBookmark { index, .. } => index.to_string(),
+            Self::SetChanges { scenario: id, .. }
+            | Self::RenameScenario { id, .. }
+            | Self::SetScenarioParent { id, .. } => id.0.clone(),
+            _ => match (self.layer_id(), self.element()) {
+                (Some(id), _) => id.0.clone(),
+                (None, Some((scenario, id))) => {
+                    format!("{}/{id}", scenario.map_or("", |s| s.0.as_str()))
+                }
+                (None, None) => String::new(),
+            },
+        };
+        Some((core::mem::discriminant(self), thing))
     }
 
     /// Memory behind it in bytes, about.
     pub(crate) fn heap_bytes(&self) -> usize {
-        serde_json::to_vec(self).map_or(0, |text| text.len())
+        let (bare, vertices) = crate::stored::edits::apart(self);
+        let text = serde_json::to_vec(bare.as_ref()).map_or(0, |text| text.len());
+        text + vertices * size_of::<crate::Vertex>()
     }
 }
 
 /// Which adjustment differs from the project's, where it is one.
 fn adjusted(project: &Project, id: &LayerId, new: &crate::Adjust) -> &'static str {
-    use crate::LayerKind::{Height, Imagery, Noise, Tint, Unknown};
+    use crate::LayerKind::{Height, Imagery, Noise, Tint, Unknown, Vector};
     let old = match project.layer(id).map(|layer| &layer.kind) {
         Some(Imagery(imagery)) => &imagery.adjust,
         Some(Tint(tint)) => &tint.adjust,
-        Some(Height(_) | Noise(_) | Unknown { .. }) | None => return "Adjustment of",
+        Some(Height(_) | Noise(_) | Vector(_) | Unknown { .. }) | None => return "Adjustment of",
     };
     let changes = [
         (old.brightness != new.brightness, "Brightness of"),

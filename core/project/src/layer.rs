@@ -1,37 +1,6 @@
 //! Layers of the runtime document.
 
-use core::fmt;
-
-use crate::Extra;
-
-/// Names a layer for as long as the project lives: 1 to 64 ASCII letters, digits, `-`, `_` and `.`.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct LayerId(pub String);
-
-impl LayerId {
-    /// Longest id in bytes.
-    pub const MAX_BYTES: usize = 64;
-
-    /// Whether the text is a valid id.
-    pub fn is_valid(text: &str) -> bool {
-        (1..=Self::MAX_BYTES).contains(&text.len())
-            && text
-                .bytes()
-                .all(|b| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.'))
-    }
-}
-
-impl fmt::Display for LayerId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl From<&str> for LayerId {
-    fn from(text: &str) -> Self {
-        Self(text.to_owned())
-    }
-}
+use crate::{Extra, LayerId, VectorLayer};
 
 /// One layer of the stack.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,12 +35,27 @@ impl Layer {
         }
     }
 
-    /// The file behind the layer, where there is one.
+    /// The raster file behind the layer, where there is one.
     pub fn source(&self) -> Option<&Source> {
         match &self.kind {
             LayerKind::Imagery(imagery) => Some(&imagery.source),
             LayerKind::Height(height) => Some(&height.source),
-            LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => None,
+            LayerKind::Noise(_)
+            | LayerKind::Tint(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. } => None,
+        }
+    }
+
+    /// The path of the file behind the layer as it is stored, raster or vector, where there is one.
+    pub fn path(&self) -> Option<&str> {
+        match &self.kind {
+            LayerKind::Vector(vector) => Some(&vector.path),
+            LayerKind::Imagery(_)
+            | LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Tint(_)
+            | LayerKind::Unknown { .. } => self.source().map(|source| source.path.as_str()),
         }
     }
 }
@@ -87,6 +71,8 @@ pub enum LayerKind {
     Noise(NoiseLayer),
     /// Colours from the heights of all height layers.
     Tint(TintLayer),
+    /// Features from a vector file.
+    Vector(Box<VectorLayer>),
     /// A kind that a newer program made: kept, shown by name, without effect.
     Unknown {
         /// The kind's name in the file.
@@ -95,13 +81,15 @@ pub enum LayerKind {
 }
 
 impl LayerKind {
-    /// The kind's name in the file: `imagery`, `height`, `noise`, `tint` or the unknown name.
+    /// The kind's name in the file: `imagery`, `height`, `noise`, `tint`, `vector` or the unknown
+    /// name.
     pub fn name(&self) -> &str {
         match self {
             Self::Imagery(_) => "imagery",
             Self::Height(_) => "height",
             Self::Noise(_) => "noise",
             Self::Tint(_) => "tint",
+            Self::Vector(_) => "vector",
             Self::Unknown { kind } => kind,
         }
     }

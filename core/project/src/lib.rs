@@ -1,4 +1,4 @@
-//! The stored document: layers, planet, camera, edits, undo and the file format.
+//! The stored document: layers, planning elements, scenarios, edits, undo and the file format.
 //!
 //! Invariant: what is read is what is written. Unknown fields and unknown kinds of layers pass
 //! through a load and a save untouched; an [`Edit`] followed by its inverse leaves the same bytes.
@@ -11,29 +11,45 @@ mod apply;
 mod build;
 mod document;
 mod edit;
+mod element;
 mod error;
 mod file;
 mod history;
+mod id;
 mod json;
 mod label;
 mod layer;
 mod paths;
+mod scenario;
 mod stored;
+mod vector_layer;
+mod vertices;
 
 pub use apply::EditError;
 pub use build::{NewProjectError, SourceRole, layer_from_source};
 pub use document::{
-    Auto, Body, CameraSettings, Extra, PlanetSettings, Project, Quality, Sun, SunAnchor,
+    Auto, Body, Bookmark, CameraSettings, Extra, PlanetSettings, Project, Quality, Sun, SunAnchor,
 };
 pub use edit::{Affects, Aspect, Edit};
+pub use element::{
+    Brush, BrushTool, Corridor, Element, ElementKind, ElementStyle, Polygon, Profile, ProfileKind,
+    Section, SectionKind, SideSlopes, Stroke, Surface, SurfaceKind,
+};
 pub use error::{OpenProjectError, SaveProjectError};
 pub use file::{FileStamp, Replace, is_unchanged, open, read_text, save_atomic};
 pub use history::History;
+pub use id::{ElementId, LayerId, ScenarioId};
 pub use json::{MOST_BYTES, schema, schema_text};
 pub use layer::{
-    Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer, LayerId,
+    Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer,
     LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows, Tint,
     TintInterpolation, TintLayer, TintStop,
 };
 pub use paths::{resolve_path, store_path};
+pub use scenario::{Change, ChangeKind, LayerOverride, Scenario};
 pub use stored::fault::Fault;
+pub use vector_layer::{
+    Casing, ClassMatch, ClassedBy, Extrude, Hatch, Label, PointSymbol, StyleClass, Symbol,
+    VectorLayer, VectorStyle, Width, WidthUnit,
+};
+pub use vertices::{ContentHash, SideFile, Vertex, Vertices};

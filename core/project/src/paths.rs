@@ -95,6 +95,7 @@ fn rebase_kind(kind: &mut LayerKind, from: &Path, to: &Path) {
     match kind {
         LayerKind::Imagery(imagery) => imagery.source.path = rebase(&imagery.source.path, from, to),
         LayerKind::Height(height) => height.source.path = rebase(&height.source.path, from, to),
+        LayerKind::Vector(vector) => vector.path = rebase(&vector.path, from, to),
         LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => {}
     }
 }
@@ -107,29 +108,8 @@ pub(crate) fn rebase_edit(edit: &mut Edit, from: &Path, to: &Path) {
         Edit::Batch { edits, .. } => edits
             .iter_mut()
             .for_each(|edit| rebase_edit(edit, from, to)),
-        Edit::RemoveLayer { .. }
-        | Edit::MoveLayer { .. }
-        | Edit::SetName { .. }
-        | Edit::SetVisible { .. }
-        | Edit::SetOpacity { .. }
-        | Edit::SetLocked { .. }
-        | Edit::SetBlend { .. }
-        | Edit::SetAdjust { .. }
-        | Edit::SetResampling { .. }
-        | Edit::SetEdgeFade { .. }
-        | Edit::SetGeoreference { .. }
-        | Edit::SetNodata { .. }
-        | Edit::SetTiles { .. }
-        | Edit::SetStretch { .. }
-        | Edit::SetBands { .. }
-        | Edit::SetHeightScale { .. }
-        | Edit::SetNoise { .. }
-        | Edit::SetTint { .. }
-        | Edit::SetPlanet { .. }
-        | Edit::SetExaggeration { .. }
-        | Edit::SetCamera { .. }
-        | Edit::SetSun { .. }
-        | Edit::SetQuality { .. } => {}
+        // No other edit holds a path.
+        _others => {}
     }
 }
 

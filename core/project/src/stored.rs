@@ -6,11 +6,16 @@
 #[macro_use]
 pub(crate) mod value;
 
+pub(crate) mod colour;
 pub(crate) mod convert;
 pub(crate) mod edits;
+pub(crate) mod elements;
 pub(crate) mod fault;
 pub(crate) mod migrate;
 pub(crate) mod parse;
 pub(crate) mod range;
+pub(crate) mod scenarios;
 pub(crate) mod stretch;
 pub(crate) mod v1;
+pub(crate) mod vector;
+pub(crate) mod vertices;

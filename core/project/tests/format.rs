@@ -58,7 +58,7 @@ fn an_unknown_layer_is_kept_and_inert() {
     assert_eq!(
         unknown.kind,
         LayerKind::Unknown {
-            kind: "vector".into()
+            kind: "cadastre".into()
         }
     );
     assert_eq!(unknown.extra["features"]["type"], "FeatureCollection");

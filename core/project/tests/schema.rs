@@ -49,6 +49,18 @@ fn what_the_schema_refuses_the_reader_refuses() {
         ("/layers/1/band", json!(0)),
         ("/layers/2/octaves", json!(0)),
         ("/layers/3/stops/0/colour", json!("red")),
+        ("/layers/5/style/stroke_width/unit", json!("pt")),
+        ("/layers/5/style/extrude", json!({ "height_m": -1 })),
+        ("/elements/0/outline/1", json!([0, 0, 0, 0])),
+        ("/elements/0/outline/1/1", json!(91)),
+        ("/elements/0/surface/height_m", json!("high")),
+        ("/elements/0/side/cut_slope", json!(0)),
+        ("/elements/4/outline/vertices", json!(-1)),
+        ("/elements/6/section/width_m", json!(0)),
+        ("/elements/10/strokes/0/strength_m", json!(null)),
+        ("/scenarios/0/changes/1/element/line/0", json!([0])),
+        ("/scenarios/0/layers/0/opacity", json!(2)),
+        ("/bookmarks/0/camera/lat_deg", json!(91)),
     ] {
         let mut value: Value = serde_json::from_str(EVERYTHING).unwrap();
         *value.pointer_mut(pointer).unwrap() = wrong;

@@ -166,7 +166,10 @@ fn say_how_tiles_are_read(kind: &mut LayerKind, arguments: &Arguments) {
             });
         }
         LayerKind::Imagery(imagery) => imagery.source.tile_rows = rows,
-        LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => {}
+        LayerKind::Noise(_)
+        | LayerKind::Tint(_)
+        | LayerKind::Vector(_)
+        | LayerKind::Unknown { .. } => {}
     }
 }
 

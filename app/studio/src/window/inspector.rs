@@ -114,6 +114,9 @@ impl Inspector {
                     LayerKind::Height(l) => height(ui, id, l, actions),
                     LayerKind::Noise(l) => heights::noise(ui, id, &l.noise, actions),
                     LayerKind::Tint(l) => tint_layer(ui, id, l, actions),
+                    LayerKind::Vector(l) => {
+                        ui.weak(format!("Features from {}", l.path));
+                    }
                     LayerKind::Unknown { kind } => {
                         ui.weak(format!(
                             "A layer of kind {kind}, made by a newer Relievo. It is kept as it is."

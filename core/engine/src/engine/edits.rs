@@ -88,7 +88,13 @@ impl Engine {
     fn changed(&mut self, affects: &[Affects]) {
         for affect in affects {
             match affect {
-                Affects::Layer { aspect, .. } if !aspect.is_visible() => {}
+                Affects::Layer { aspect, .. } | Affects::Element { aspect, .. }
+                    if !aspect.is_visible() => {}
+                Affects::ScenarioName | Affects::Bookmarks => {}
+                Affects::Element { .. }
+                | Affects::Scenario { .. }
+                | Affects::Base
+                | Affects::Shown => self.stale = true,
                 Affects::Layer { id, aspect } => {
                     self.stale = true;
                     let edits_value =

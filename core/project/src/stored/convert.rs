@@ -1,9 +1,15 @@
 //! Between stored and runtime types, and the checks that a single number's range cannot make.
 
+mod elements;
 mod layer;
+mod scenarios;
 mod settings;
+mod vector;
 
 use std::collections::BTreeMap;
+
+pub(crate) use elements::{check_element, element_id};
+pub(crate) use scenarios::{changes, check_change, scenario_id};
 
 pub(crate) use layer::{
     bands, layer_id, layer_name, source_path, stored_tint, tint, unknown_is_unknown,
@@ -29,6 +35,11 @@ fn unless_default<T: PartialEq>(value: T, default: &T) -> Option<T> {
     (value != *default).then_some(value)
 }
 
+/// `Some` where a list holds anything.
+fn unless_empty<T>(list: Vec<T>) -> Option<Vec<T>> {
+    (!list.is_empty()).then_some(list)
+}
+
 impl Twin for Project {
     type Stored = With<v1::Project>;
 
@@ -51,14 +62,21 @@ impl Twin for Project {
             }
             layers.push(layer);
         }
-        Ok(Self {
+        let mut project = Self {
             planet: optional(fields.planet, &At::Member(at, "planet"))?,
             camera: optional(fields.camera, &At::Member(at, "camera"))?,
             quality: optional(fields.quality, &At::Member(at, "quality"))?,
             sun: optional(fields.sun, &At::Member(at, "sun"))?,
             layers,
+            elements: elements::all(fields.elements, &At::Member(at, "elements"))?,
+            scenarios: scenarios::all(fields.scenarios, &At::Member(at, "scenarios"))?,
+            scenario: None,
+            bookmarks: scenarios::bookmarks(fields.bookmarks, &At::Member(at, "bookmarks"))?,
             extra,
-        })
+        };
+        project.scenario =
+            scenarios::shown(fields.scenario, &project, &At::Member(at, "scenario"))?;
+        Ok(project)
     }
 
     fn to_stored(&self) -> Self::Stored {
@@ -71,6 +89,10 @@ impl Twin for Project {
                     .map(Twin::to_stored),
                 sun: unless_default(&self.sun, &&crate::Sun::default()).map(Twin::to_stored),
                 layers: Some(self.layers.iter().map(Twin::to_stored).collect()),
+                elements: unless_empty(self.elements.iter().map(|e| e.to_stored()).collect()),
+                scenarios: unless_empty(self.scenarios.iter().map(Twin::to_stored).collect()),
+                scenario: self.scenario.as_ref().map(|id| id.0.clone()),
+                bookmarks: unless_empty(self.bookmarks.iter().map(Twin::to_stored).collect()),
             },
             extra: self.extra.clone(),
         }
@@ -97,9 +119,14 @@ fn text(value: String, most_bytes: usize, at: &At<'_>) -> Result<String, Fault> 
 }
 
 /// A text that is not empty either.
-fn filled(value: String, most_bytes: usize, at: &At<'_>) -> Result<String, Fault> {
+pub(crate) fn filled(value: String, most_bytes: usize, at: &At<'_>) -> Result<String, Fault> {
     if value.is_empty() {
         return Err(at.fault("a text that is not empty", "\"\""));
     }
     text(value, most_bytes, at)
+}
+
+/// A position as it is stored; one beyond 32 bits is out of every project anyway.
+pub(crate) fn position(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
 }

@@ -5,16 +5,19 @@
 
 mod convert;
 
-pub(crate) use convert::check;
+pub(crate) use convert::{apart, check};
 
 use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
+use super::elements::{Element, ElementStyle};
 use super::fault::{At, Fault, describe, quote};
+use super::scenarios::{Bookmark, Change, LayerOverride, Scenario};
 use super::stretch::StoredStretch;
 use super::value::{Fields, Stored, With, object};
+use super::vector::VectorStyle;
 use super::{range, v1};
 use crate::Extra;
 
@@ -141,6 +144,58 @@ stored_edits! {
     SetSun = "set_sun" { sun: With<v1::Sun>, }
     /// Replaces the quality of the picture.
     SetQuality = "set_quality" { quality: With<v1::Quality>, }
+    /// Replaces the style of a vector layer.
+    SetVectorStyle = "set_vector_style" { id: String, style: With<VectorStyle>, }
+    /// Changes how a vector layer's file is read: as it says itself where a member is left out.
+    SetVectorSource = "set_vector_source" { id: String, source_layer: Option<String>, crs: Option<String>, }
+    /// Adds a planning element to the base or to `scenario`, at a position counted from the bottom; on
+    /// top where `index` is left out.
+    AddElement = "add_element" { scenario: Option<String>, index: Option<u32>, element: Element, }
+    /// Removes a planning element of the base or of `scenario`.
+    RemoveElement = "remove_element" { scenario: Option<String>, id: String, }
+    /// Puts a planning element in the place of the one with its id.
+    ReplaceElement = "replace_element" { scenario: Option<String>, element: Element, }
+    /// Moves a planning element to a position counted from the bottom, itself taken out first.
+    MoveElement = "move_element" { scenario: Option<String>, id: String, index: u32, }
+    /// Changes what people call a planning element.
+    SetElementName = "set_element_name" { scenario: Option<String>, id: String, name: String, }
+    /// Shows or hides a planning element.
+    SetElementVisible = "set_element_visible" { scenario: Option<String>, id: String, visible: bool, }
+    /// Locks or unlocks a planning element.
+    SetElementLocked = "set_element_locked" { scenario: Option<String>, id: String, locked: bool, }
+    /// Replaces the colours of a planning element.
+    SetElementStyle = "set_element_style" { scenario: Option<String>, id: String, style: With<ElementStyle>, }
+    /// Sets what a scenario changes about one element; as in its parent where `change` is left out.
+    SetChange = "set_change" { scenario: String, id: String, index: Option<u32>, change: Option<Change>, }
+    /// Sets everything that a scenario changes.
+    SetChanges = "set_changes" { scenario: String, changes: Vec<Change>, }
+    /// Adds a scenario at a position in the list; at the end where `index` is left out.
+    AddScenario = "add_scenario" { index: Option<u32>, scenario: With<Scenario>, }
+    /// Removes a scenario that no other is based on.
+    RemoveScenario = "remove_scenario" { id: String, }
+    /// Changes what people call a scenario.
+    RenameScenario = "rename_scenario" { id: String, name: String, }
+    /// Makes a copy of a scenario.
+    DuplicateScenario = "duplicate_scenario" { id: String, new_id: String, name: String, }
+    /// Makes the changes of a scenario in its parent or the base and removes the scenario.
+    MergeScenario = "merge_scenario" { id: String, }
+    /// Bases a scenario on another; on the base where `parent` is left out.
+    SetScenarioParent = "set_scenario_parent" { id: String, parent: Option<String>, }
+    /// Sets how a scenario shows one layer; as in its parent where `layer` is left out.
+    SetScenarioLayer = "set_scenario_layer" {
+        scenario: String,
+        id: String,
+        index: Option<u32>,
+        layer: Option<With<LayerOverride>>,
+    }
+    /// Shows a scenario; the base where `id` is left out.
+    ShowScenario = "show_scenario" { id: Option<String>, }
+    /// Adds a bookmark at a position in the list; at the end where `index` is left out.
+    AddBookmark = "add_bookmark" { index: Option<u32>, bookmark: With<Bookmark>, }
+    /// Removes the bookmark at a position in the list.
+    RemoveBookmark = "remove_bookmark" { index: u32, }
+    /// Replaces the bookmark at a position in the list.
+    ReplaceBookmark = "replace_bookmark" { index: u32, bookmark: With<Bookmark>, }
     /// Several edits as one.
     Batch = "batch" { label: Option<String>, edits: Vec<StoredEdit>, }
 }

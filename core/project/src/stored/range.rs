@@ -41,6 +41,19 @@ pub(crate) const AMPLITUDE_M: Range<f64> = range(0.0, 1e6);
 pub(crate) const WAVELENGTH_M: Range<f64> = range(1e-3, 1e9);
 pub(crate) const OCTAVES: Range<u32> = range(1, 32);
 pub(crate) const LACUNARITY: Range<f64> = range(1.0, 8.0);
+pub(crate) const SIDE_SLOPE: Range<f64> = range(0.01, 100.0);
+/// Reaches, depths, strokes and smoothing lengths of elements.
+pub(crate) const REACH_M: Range<f64> = range(0.0, 1e5);
+/// Widths of roads, crests and bottoms.
+pub(crate) const SECTION_M: Range<f64> = range(0.01, 1e5);
+pub(crate) const SLOPE_PERCENT: Range<f64> = range(0.0, 1e4);
+pub(crate) const CROSSFALL_PERCENT: Range<f64> = range(-100.0, 100.0);
+pub(crate) const BRUSH_RADIUS_M: Range<f64> = range(0.01, 1e6);
+/// Widths in metres or pixels.
+pub(crate) const WIDTH: Range<f64> = range(0.0, 1e6);
+pub(crate) const LABEL_PX: Range<f64> = range(4.0, 200.0);
+/// n of scales 1 : n.
+pub(crate) const SCALE: Range<f64> = range(0.0, 1e12);
 
 /// Sides of a colour window in samples.
 pub(crate) const COLOUR_WINDOWS: [u32; 5] = [256, 512, 1024, 2048, 4096];
@@ -54,3 +67,17 @@ pub(crate) const LONGEST_PATH: usize = 4096;
 pub(crate) const LONGEST_NAME: usize = 1000;
 /// Most edits in a batch.
 pub(crate) const MOST_EDITS: usize = 100_000;
+/// Most elements of the base, and most changes of a scenario.
+pub(crate) const MOST_ELEMENTS: usize = 100_000;
+/// Most scenarios in a project.
+pub(crate) const MOST_SCENARIOS: usize = 1000;
+/// Most bookmarks in a project.
+pub(crate) const MOST_BOOKMARKS: usize = 10_000;
+/// Most vertices of a list.
+pub(crate) const MOST_VERTICES: usize = 10_000_000;
+/// Most holes and breaklines of a polygon, and strokes of a brush.
+pub(crate) const MOST_LISTS: usize = 100_000;
+/// Most lengths of a dash.
+pub(crate) const MOST_DASHES: usize = 32;
+/// Most classes of a style.
+pub(crate) const MOST_CLASSES: usize = 10_000;

@@ -7,10 +7,13 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
+use super::elements::Element;
 use super::fault::{At, Fault, describe, quote};
 use super::range;
+use super::scenarios::{Bookmark, Scenario};
 use super::stretch::StoredStretch;
 use super::value::{Fields, InRange as _, Stored, With, object, put_extra};
+use super::vector::Vector;
 use crate::Extra;
 
 /// The number of this version.
@@ -33,6 +36,17 @@ fields! {
         sun: Option<With<Sun>>,
         /// All layers, the bottom one first. Ids are unique.
         layers: Option<Vec<Layer>>,
+        /// Planning elements of the base, the bottom one first; later ones win. Ids are unique.
+        #[schemars(length(max = range::MOST_ELEMENTS))]
+        elements: Option<Vec<Element>>,
+        /// Named deltas on the base. Ids are unique, parents form a tree.
+        #[schemars(length(max = range::MOST_SCENARIOS))]
+        scenarios: Option<Vec<With<Scenario>>>,
+        /// Id of the scenario that is shown; the base where left out.
+        scenario: Option<String>,
+        /// Places to go back to.
+        #[schemars(length(max = range::MOST_BOOKMARKS))]
+        bookmarks: Option<Vec<With<Bookmark>>>,
     }
 }
 
@@ -230,7 +244,7 @@ fields! {
         /// What people call it; the id where left out.
         #[schemars(length(max = range::LONGEST_NAME))]
         name: Option<String>,
-        /// `imagery`, `height`, `noise`, `tint`; layers of other kinds are kept and have no effect.
+        /// `imagery`, `height`, `noise`, `tint`, `vector`; layers of other kinds are kept and have no effect.
         kind: String,
         /// Whether the layer takes part; true where left out.
         visible: Option<bool>,
@@ -474,12 +488,14 @@ pub(crate) enum LayerKind {
     Noise(Noise),
     /// `tint`.
     Tint(Tint),
+    /// `vector`.
+    Vector(Box<Vector>),
     /// Any other: everything is in [`Layer::extra`].
     Unknown,
 }
 
 /// Kinds of layers that this version knows.
-pub(crate) const KINDS: [&str; 4] = ["imagery", "height", "noise", "tint"];
+pub(crate) const KINDS: [&str; 5] = ["imagery", "height", "noise", "tint", "vector"];
 
 impl Stored for Layer {
     fn read(value: Value, at: &At<'_>) -> Result<Self, Fault> {
@@ -490,6 +506,7 @@ impl Stored for Layer {
             "height" => LayerKind::Height(Height::take(&mut map, at)?),
             "noise" => LayerKind::Noise(Noise::take(&mut map, at)?),
             "tint" => LayerKind::Tint(Tint::take(&mut map, at)?),
+            "vector" => LayerKind::Vector(Box::new(Vector::take(&mut map, at)?)),
             "" => return Err(At::Member(at, "kind").fault("a kind of layer", quote(&base.kind))),
             _ => LayerKind::Unknown,
         };
@@ -508,6 +525,7 @@ impl Stored for Layer {
             LayerKind::Height(height) => put(height, &mut map),
             LayerKind::Noise(noise) => put(noise, &mut map),
             LayerKind::Tint(tint) => put(tint, &mut map),
+            LayerKind::Vector(vector) => put(vector.as_ref(), &mut map),
             LayerKind::Unknown => &[],
         };
         put_extra(&self.extra, &[LayerBase::NAMES, own], &mut map);
@@ -533,6 +551,7 @@ impl JsonSchema for Layer {
             generator.subschema_for::<Height>(),
             generator.subschema_for::<Noise>(),
             generator.subschema_for::<Tint>(),
+            generator.subschema_for::<Vector>(),
         ];
         for (kind, fields) in KINDS.iter().zip(kinds) {
             all.push(serde_json::json!({

@@ -65,6 +65,7 @@ macro_rules! fields {
                 map: &mut $crate::Extra,
                 at: &$crate::stored::fault::At<'_>,
             ) -> Result<Self, $crate::stored::fault::Fault> {
+                #[allow(unused_imports, reason = "a struct may have no field")]
                 use $crate::stored::value::Stored as _;
                 Ok(Self {
                     $($field: {
@@ -83,6 +84,7 @@ macro_rules! fields {
 
             #[allow(unused_variables, reason = "a struct may have no field")]
             fn put(&self, map: &mut $crate::Extra) {
+                #[allow(unused_imports, reason = "a struct may have no field")]
                 use $crate::stored::value::Stored as _;
                 $(if let Some(value) = self.$field.write_member() {
                     map.insert(stringify!($field).to_owned(), value);
@@ -132,6 +134,124 @@ macro_rules! names {
             }
         }
     };
+}
+
+/// Declares an object whose member `$tag` names which fields it has besides; objects of other names
+/// are kept whole.
+macro_rules! tagged {
+    ($(#[$meta:meta])* $name:ident of $kinds:ident by $tag:literal, $description:literal {
+        $($(#[$doc:meta])* $variant:ident($fields:ident) = $text:literal { $($body:tt)* })*
+    }) => {
+        $(fields! { $(#[$doc])* $fields { $($body)* } })*
+
+        #[derive(Clone, Debug, PartialEq)]
+        $(#[$meta])*
+        pub(crate) enum $kinds {
+            $($(#[$doc])* $variant($fields),)*
+            /// Any other: everything is among the unknown members.
+            Unknown(String),
+        }
+
+        #[derive(Clone, Debug, PartialEq)]
+        $(#[$meta])*
+        pub(crate) struct $name {
+            /// Which, with its fields.
+            pub(crate) kind: $kinds,
+            /// The rest.
+            pub(crate) extra: $crate::Extra,
+        }
+
+        impl $name {
+            /// The names that this version knows.
+            pub(crate) const KINDS: &'static [&'static str] = &[$($text),*];
+
+            /// From an object's members, all of which are taken.
+            pub(crate) fn take(
+                mut map: $crate::Extra,
+                at: &$crate::stored::fault::At<'_>,
+            ) -> Result<Self, $crate::stored::fault::Fault> {
+                use $crate::stored::value::{Fields as _, Stored as _};
+                let name = String::read_member(map.shift_remove($tag), $tag, at)?;
+                let kind = match name.as_str() {
+                    $($text => $kinds::$variant($fields::take(&mut map, at)?),)*
+                    "" => {
+                        return Err($crate::stored::fault::At::Member(at, $tag)
+                            .fault(concat!("one of" $(, " ", $text)*), "\"\""));
+                    }
+                    _ => $kinds::Unknown(name),
+                };
+                Ok(Self { kind, extra: map })
+            }
+
+            /// Puts tag and fields at the end of a map, and the unknown members behind them that
+            /// none of `known` names.
+            pub(crate) fn put(&self, known: &[&str], map: &mut $crate::Extra) {
+                use $crate::stored::value::Fields as _;
+                let own: &[&str] = match &self.kind {
+                    $($kinds::$variant(fields) => {
+                        map.insert($tag.to_owned(), $text.into());
+                        fields.put(map);
+                        $fields::NAMES
+                    })*
+                    $kinds::Unknown(name) => {
+                        map.insert($tag.to_owned(), name.as_str().into());
+                        &[]
+                    }
+                };
+                $crate::stored::value::put_extra(&self.extra, &[known, own, &[$tag]], map);
+            }
+        }
+
+        impl $crate::stored::value::Stored for $name {
+            fn read(
+                value: serde_json::Value,
+                at: &$crate::stored::fault::At<'_>,
+            ) -> Result<Self, $crate::stored::fault::Fault> {
+                Self::take($crate::stored::value::object(value, at)?, at)
+            }
+
+            fn write(&self) -> serde_json::Value {
+                let mut map = $crate::Extra::new();
+                self.put(&[], &mut map);
+                serde_json::Value::Object(map)
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                let kinds = vec![$(($text, generator.subschema_for::<$fields>())),*];
+                $crate::stored::value::tagged_schema($tag, $description, kinds)
+            }
+        }
+    };
+}
+
+/// The schema of an object whose member `tag` names which fields it has besides.
+pub(crate) fn tagged_schema(
+    tag: &str,
+    description: &str,
+    kinds: Vec<(&'static str, Schema)>,
+) -> Schema {
+    let cases: Vec<Value> = kinds
+        .into_iter()
+        .map(|(kind, fields)| {
+            serde_json::json!({
+                "if": { "properties": { tag: { "const": kind } }, "required": [tag] },
+                "then": fields,
+            })
+        })
+        .collect();
+    schemars::json_schema!({
+        "description": description,
+        "type": "object",
+        "properties": { tag: { "type": "string", "minLength": 1 } },
+        "required": [tag],
+        "allOf": cases,
+    })
 }
 
 /// Named fields and whatever else the object holds.

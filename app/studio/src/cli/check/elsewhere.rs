@@ -131,6 +131,7 @@ fn fits(file: &Path, layer: &Layer) -> Result<(), String> {
         LayerKind::Imagery(_)
         | LayerKind::Noise(_)
         | LayerKind::Tint(_)
+        | LayerKind::Vector(_)
         | LayerKind::Unknown { .. } => Bands::Colour,
     };
     let options = OpenOptions {

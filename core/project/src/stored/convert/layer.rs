@@ -1,6 +1,7 @@
 //! Layers and what they are made of.
 
 use super::{Twin, filled, text, unless_default};
+use crate::stored::colour::StoredColour;
 use crate::stored::fault::{At, Fault, quote};
 use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
@@ -8,6 +9,7 @@ use crate::stored::{range, v1};
 use crate::{
     Adjust, Blend, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind,
     Noise, NoiseLayer, Resampling, Source, Stretch, Tint, TintInterpolation, TintLayer, TintStop,
+    VectorLayer,
 };
 
 /// A valid id.
@@ -67,6 +69,9 @@ impl Twin for Layer {
                 noise: Noise::from_stored(noise, at)?,
             }),
             v1::LayerKind::Tint(tint) => LayerKind::Tint(TintLayer::from_stored(tint, at)?),
+            v1::LayerKind::Vector(vector) => {
+                LayerKind::Vector(Box::new(VectorLayer::from_stored(*vector, at)?))
+            }
             v1::LayerKind::Unknown => LayerKind::Unknown { kind: base.kind },
         };
         Ok(Self {
@@ -97,6 +102,7 @@ impl Twin for Layer {
                 LayerKind::Height(height) => v1::LayerKind::Height(height.to_stored()),
                 LayerKind::Noise(noise) => v1::LayerKind::Noise(noise.noise.to_stored()),
                 LayerKind::Tint(tint) => v1::LayerKind::Tint(tint.to_stored()),
+                LayerKind::Vector(vector) => v1::LayerKind::Vector(Box::new(vector.to_stored())),
                 LayerKind::Unknown { .. } => v1::LayerKind::Unknown,
             },
             extra: self.extra.clone(),
@@ -266,12 +272,12 @@ pub(crate) fn tint(
             return Err(At::Member(&stop_at, "height_m").fault(higher, fields.height_m.to_string()));
         }
         last = fields.height_m;
-        let colour = colour(&fields.colour).ok_or_else(|| {
+        let colour = StoredColour::parse(&fields.colour).ok_or_else(|| {
             At::Member(&stop_at, "colour").fault("a colour \"#rrggbb\"", quote(&fields.colour))
         })?;
         read.push(TintStop {
             height_m: fields.height_m,
-            colour,
+            colour: colour.0,
             extra,
         });
     }
@@ -296,15 +302,6 @@ pub(crate) fn stored_tint(tint: &Tint) -> (Vec<With<v1::TintStop>>, Option<v1::T
     let interpolation =
         unless_default(tint.interpolation, &TintInterpolation::default()).map(Into::into);
     (stops.collect(), interpolation)
-}
-
-/// `#rrggbb` as bytes.
-fn colour(text: &str) -> Option<[u8; 3]> {
-    let digits = text
-        .strip_prefix('#')
-        .filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
-    let [_, red, green, blue] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
-    Some([red, green, blue])
 }
 
 impl Twin for Georeference {
@@ -427,6 +424,7 @@ pub(crate) fn unknown_is_unknown(layer: &Layer) -> Result<(), Fault> {
         | LayerKind::Imagery(_)
         | LayerKind::Height(_)
         | LayerKind::Noise(_)
-        | LayerKind::Tint(_) => Ok(()),
+        | LayerKind::Tint(_)
+        | LayerKind::Vector(_) => Ok(()),
     }
 }

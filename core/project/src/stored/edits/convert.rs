@@ -1,21 +1,31 @@
 //! Between stored and runtime edits.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use super::{
-    AddLayer, Batch, MoveLayer, RemoveLayer, SetAdjust, SetBands, SetBlend, SetCamera, SetEdgeFade,
-    SetExaggeration, SetGeoreference, SetHeightScale, SetLocked, SetName, SetNodata, SetNoise,
-    SetOpacity, SetPath, SetPlanet, SetQuality, SetResampling, SetStretch, SetSun, SetTiles,
-    SetTint, SetVisible, StoredEdit,
+    AddBookmark, AddElement, AddLayer, AddScenario, Batch, DuplicateScenario, MergeScenario,
+    MoveElement, MoveLayer, RemoveBookmark, RemoveElement, RemoveLayer, RemoveScenario,
+    RenameScenario, ReplaceBookmark, ReplaceElement, SetAdjust, SetBands, SetBlend, SetCamera,
+    SetChange, SetChanges, SetEdgeFade, SetElementLocked, SetElementName, SetElementStyle,
+    SetElementVisible, SetExaggeration, SetGeoreference, SetHeightScale, SetLocked, SetName,
+    SetNodata, SetNoise, SetOpacity, SetPath, SetPlanet, SetQuality, SetResampling,
+    SetScenarioLayer, SetScenarioParent, SetStretch, SetSun, SetTiles, SetTint, SetVectorSource,
+    SetVectorStyle, SetVisible, ShowScenario, StoredEdit,
 };
 use crate::stored::convert::{
-    Twin, bands, layer_id, layer_name, source_path, stored_tint, tint, unknown_is_unknown,
+    Twin, bands, changes, check_change, check_element, element_id, filled, layer_id, layer_name,
+    position, scenario_id, source_path, stored_tint, tint, unknown_is_unknown,
 };
+use crate::stored::elements;
 use crate::stored::fault::{At, Fault};
 use crate::stored::range;
 use crate::stored::stretch::StoredStretch;
 use crate::stored::value::With;
 use crate::{
-    Adjust, CameraSettings, Edit, Extra, Georeference, Layer, LayerId, Noise, PlanetSettings,
-    Quality, Stretch, Sun,
+    Adjust, Bookmark, CameraSettings, Change, ChangeKind, Edit, Element, ElementStyle, Extra,
+    Georeference, Layer, LayerId, LayerOverride, Noise, PlanetSettings, Quality, Scenario,
+    ScenarioId, Stretch, Sun, VectorStyle, Vertices,
 };
 
 impl Twin for Edit {
@@ -141,6 +151,99 @@ impl Twin for Edit {
             },
             StoredEdit::SetQuality(e) => Self::SetQuality {
                 quality: Quality::from_stored(e.quality, &At::Member(at, "quality"))?,
+            },
+            StoredEdit::SetVectorStyle(e) => Self::SetVectorStyle {
+                id: id(e.id)?,
+                style: Box::new(VectorStyle::from_stored(e.style, &At::Member(at, "style"))?),
+            },
+            StoredEdit::SetVectorSource(e) => Self::SetVectorSource {
+                id: id(e.id)?,
+                source_layer: vector_text(e.source_layer, range::LONGEST_NAME, "source_layer", at)?,
+                crs: vector_text(e.crs, range::LONGEST_PATH, "crs", at)?,
+            },
+            StoredEdit::AddElement(e) => Self::AddElement {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                index: e.index.map(|i| i as usize),
+                element: element(e.element, at)?,
+            },
+            StoredEdit::RemoveElement(e) => Self::RemoveElement {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                id: element_id(e.id, &At::Member(at, "id"))?,
+            },
+            StoredEdit::ReplaceElement(e) => Self::ReplaceElement {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                element: element(e.element, at)?,
+            },
+            StoredEdit::MoveElement(e) => Self::MoveElement {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                id: element_id(e.id, &At::Member(at, "id"))?,
+                index: e.index as usize,
+            },
+            StoredEdit::SetElementName(e) => Self::SetElementName {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                id: element_id(e.id, &At::Member(at, "id"))?,
+                name: layer_name(e.name, &At::Member(at, "name"))?,
+            },
+            StoredEdit::SetElementVisible(e) => Self::SetElementVisible {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                id: element_id(e.id, &At::Member(at, "id"))?,
+                visible: e.visible,
+            },
+            StoredEdit::SetElementLocked(e) => Self::SetElementLocked {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                id: element_id(e.id, &At::Member(at, "id"))?,
+                locked: e.locked,
+            },
+            StoredEdit::SetElementStyle(e) => Self::SetElementStyle {
+                scenario: of_scenario(e.scenario, "scenario", at)?,
+                id: element_id(e.id, &At::Member(at, "id"))?,
+                style: ElementStyle::from_stored(e.style, &At::Member(at, "style"))?,
+            },
+            StoredEdit::SetChange(e) => set_change(e, at)?,
+            StoredEdit::SetChanges(e) => Self::SetChanges {
+                scenario: scenario_id(e.scenario, &At::Member(at, "scenario"))?,
+                changes: changes(Some(e.changes), &At::Member(at, "changes"))?,
+            },
+            StoredEdit::AddScenario(e) => Self::AddScenario {
+                index: e.index.map(|i| i as usize),
+                scenario: Box::new(Scenario::from_stored(
+                    e.scenario,
+                    &At::Member(at, "scenario"),
+                )?),
+            },
+            StoredEdit::RemoveScenario(e) => Self::RemoveScenario {
+                id: scenario_id(e.id, &At::Member(at, "id"))?,
+            },
+            StoredEdit::RenameScenario(e) => Self::RenameScenario {
+                id: scenario_id(e.id, &At::Member(at, "id"))?,
+                name: layer_name(e.name, &At::Member(at, "name"))?,
+            },
+            StoredEdit::DuplicateScenario(e) => Self::DuplicateScenario {
+                id: scenario_id(e.id, &At::Member(at, "id"))?,
+                new_id: scenario_id(e.new_id, &At::Member(at, "new_id"))?,
+                name: layer_name(e.name, &At::Member(at, "name"))?,
+            },
+            StoredEdit::MergeScenario(e) => Self::MergeScenario {
+                id: scenario_id(e.id, &At::Member(at, "id"))?,
+            },
+            StoredEdit::SetScenarioParent(e) => Self::SetScenarioParent {
+                id: scenario_id(e.id, &At::Member(at, "id"))?,
+                parent: of_scenario(e.parent, "parent", at)?,
+            },
+            StoredEdit::SetScenarioLayer(e) => set_scenario_layer(e, at)?,
+            StoredEdit::ShowScenario(e) => Self::ShowScenario {
+                id: of_scenario(e.id, "id", at)?,
+            },
+            StoredEdit::AddBookmark(e) => Self::AddBookmark {
+                index: e.index.map(|i| i as usize),
+                bookmark: Bookmark::from_stored(e.bookmark, &At::Member(at, "bookmark"))?,
+            },
+            StoredEdit::RemoveBookmark(e) => Self::RemoveBookmark {
+                index: e.index as usize,
+            },
+            StoredEdit::ReplaceBookmark(e) => Self::ReplaceBookmark {
+                index: e.index as usize,
+                bookmark: Bookmark::from_stored(e.bookmark, &At::Member(at, "bookmark"))?,
             },
             StoredEdit::Batch(e) => {
                 let place = At::Member(at, "edits");
@@ -277,6 +380,150 @@ impl Twin for Edit {
             Self::SetQuality { quality } => StoredEdit::SetQuality(SetQuality {
                 quality: quality.to_stored(),
             }),
+            Self::SetVectorStyle { id, style } => StoredEdit::SetVectorStyle(SetVectorStyle {
+                id: text(id),
+                style: style.to_stored(),
+            }),
+            Self::SetVectorSource {
+                id,
+                source_layer,
+                crs,
+            } => StoredEdit::SetVectorSource(SetVectorSource {
+                id: text(id),
+                source_layer: source_layer.clone(),
+                crs: crs.clone(),
+            }),
+            Self::AddElement {
+                scenario,
+                index,
+                element,
+            } => StoredEdit::AddElement(AddElement {
+                scenario: scenario.as_ref().map(|s| s.0.clone()),
+                index: index.map(position),
+                element: element.to_stored(),
+            }),
+            Self::RemoveElement { scenario, id } => StoredEdit::RemoveElement(RemoveElement {
+                scenario: scenario.as_ref().map(|s| s.0.clone()),
+                id: id.0.clone(),
+            }),
+            Self::ReplaceElement { scenario, element } => {
+                StoredEdit::ReplaceElement(ReplaceElement {
+                    scenario: scenario.as_ref().map(|s| s.0.clone()),
+                    element: element.to_stored(),
+                })
+            }
+            Self::MoveElement {
+                scenario,
+                id,
+                index,
+            } => StoredEdit::MoveElement(MoveElement {
+                scenario: scenario.as_ref().map(|s| s.0.clone()),
+                id: id.0.clone(),
+                index: position(*index),
+            }),
+            Self::SetElementName { scenario, id, name } => {
+                StoredEdit::SetElementName(SetElementName {
+                    scenario: scenario.as_ref().map(|s| s.0.clone()),
+                    id: id.0.clone(),
+                    name: name.clone(),
+                })
+            }
+            Self::SetElementVisible {
+                scenario,
+                id,
+                visible,
+            } => StoredEdit::SetElementVisible(SetElementVisible {
+                scenario: scenario.as_ref().map(|s| s.0.clone()),
+                id: id.0.clone(),
+                visible: *visible,
+            }),
+            Self::SetElementLocked {
+                scenario,
+                id,
+                locked,
+            } => StoredEdit::SetElementLocked(SetElementLocked {
+                scenario: scenario.as_ref().map(|s| s.0.clone()),
+                id: id.0.clone(),
+                locked: *locked,
+            }),
+            Self::SetElementStyle {
+                scenario,
+                id,
+                style,
+            } => StoredEdit::SetElementStyle(SetElementStyle {
+                scenario: scenario.as_ref().map(|s| s.0.clone()),
+                id: id.0.clone(),
+                style: style.to_stored(),
+            }),
+            Self::SetChange {
+                scenario,
+                id,
+                index,
+                change,
+            } => StoredEdit::SetChange(SetChange {
+                scenario: scenario.0.clone(),
+                id: id.0.clone(),
+                index: index.map(position),
+                change: change.as_ref().map(Twin::to_stored),
+            }),
+            Self::SetChanges { scenario, changes } => StoredEdit::SetChanges(SetChanges {
+                scenario: scenario.0.clone(),
+                changes: changes.iter().map(Twin::to_stored).collect(),
+            }),
+            Self::AddScenario { index, scenario } => StoredEdit::AddScenario(AddScenario {
+                index: index.map(position),
+                scenario: scenario.to_stored(),
+            }),
+            Self::RemoveScenario { id } => {
+                StoredEdit::RemoveScenario(RemoveScenario { id: id.0.clone() })
+            }
+            Self::RenameScenario { id, name } => StoredEdit::RenameScenario(RenameScenario {
+                id: id.0.clone(),
+                name: name.clone(),
+            }),
+            Self::DuplicateScenario { id, new_id, name } => {
+                StoredEdit::DuplicateScenario(DuplicateScenario {
+                    id: id.0.clone(),
+                    new_id: new_id.0.clone(),
+                    name: name.clone(),
+                })
+            }
+            Self::MergeScenario { id } => {
+                StoredEdit::MergeScenario(MergeScenario { id: id.0.clone() })
+            }
+            Self::SetScenarioParent { id, parent } => {
+                StoredEdit::SetScenarioParent(SetScenarioParent {
+                    id: id.0.clone(),
+                    parent: parent.as_ref().map(|s| s.0.clone()),
+                })
+            }
+            Self::SetScenarioLayer {
+                scenario,
+                id,
+                index,
+                layer,
+            } => StoredEdit::SetScenarioLayer(SetScenarioLayer {
+                scenario: scenario.0.clone(),
+                id: id.0.clone(),
+                index: index.map(position),
+                layer: layer.as_ref().map(Twin::to_stored),
+            }),
+            Self::ShowScenario { id } => StoredEdit::ShowScenario(ShowScenario {
+                id: id.as_ref().map(|s| s.0.clone()),
+            }),
+            Self::AddBookmark { index, bookmark } => StoredEdit::AddBookmark(AddBookmark {
+                index: index.map(position),
+                bookmark: bookmark.to_stored(),
+            }),
+            Self::RemoveBookmark { index } => StoredEdit::RemoveBookmark(RemoveBookmark {
+                index: position(*index),
+            }),
+            Self::ReplaceBookmark { index, bookmark } => {
+                StoredEdit::ReplaceBookmark(ReplaceBookmark {
+                    index: position(*index),
+                    bookmark: bookmark.to_stored(),
+                })
+            }
             Self::Batch { label, edits } => StoredEdit::Batch(Batch {
                 label: (!label.is_empty()).then(|| label.clone()),
                 edits: edits.iter().map(Twin::to_stored).collect(),
@@ -285,26 +532,179 @@ impl Twin for Edit {
     }
 }
 
-/// A position as it is stored; one beyond 32 bits is out of every project anyway.
-fn position(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
+fn vector_text(
+    text: Option<String>,
+    most_bytes: usize,
+    name: &str,
+    at: &At<'_>,
+) -> Result<Option<String>, Fault> {
+    text.map(|text| filled(text, most_bytes, &At::Member(at, name)))
+        .transpose()
 }
 
-/// Checks an edit's own values (not whether it fits a project) by the reader's rules.
-pub(crate) fn check(edit: &Edit) -> Result<(), Fault> {
+fn of_scenario(id: Option<String>, name: &str, at: &At<'_>) -> Result<Option<ScenarioId>, Fault> {
+    id.map(|id| scenario_id(id, &At::Member(at, name)))
+        .transpose()
+}
+
+fn element(stored: elements::Element, at: &At<'_>) -> Result<Arc<Element>, Fault> {
+    Element::from_stored(stored, &At::Member(at, "element")).map(Arc::new)
+}
+
+fn set_change(e: SetChange, at: &At<'_>) -> Result<Edit, Fault> {
+    let id = element_id(e.id, &At::Member(at, "id"))?;
+    let place = At::Member(at, "change");
+    let change = e
+        .change
+        .map(|change| Change::from_stored(change, &place))
+        .transpose()?;
+    if let Some(change) = &change {
+        let found = change.element_id().map(|id| id.0.as_str());
+        if found != Some(id.0.as_str()) {
+            let expected = format!("a change of element {:?}", id.0);
+            let found = found.unwrap_or("a kind that is not known");
+            return Err(place.fault(expected, found));
+        }
+    }
+    Ok(Edit::SetChange {
+        scenario: scenario_id(e.scenario, &At::Member(at, "scenario"))?,
+        id,
+        index: e.index.map(|i| i as usize),
+        change,
+    })
+}
+
+fn set_scenario_layer(e: SetScenarioLayer, at: &At<'_>) -> Result<Edit, Fault> {
+    let id = layer_id(e.id, &At::Member(at, "id"))?;
+    let place = At::Member(at, "layer");
+    let layer = e
+        .layer
+        .map(|layer| LayerOverride::from_stored(layer, &place))
+        .transpose()?;
+    if let Some(layer) = layer.as_ref().filter(|layer| layer.id != id) {
+        let expected = format!("the id {:?}", id.0);
+        return Err(At::Member(&place, "id").fault(expected, layer.id.0.clone()));
+    }
+    Ok(Edit::SetScenarioLayer {
+        scenario: scenario_id(e.scenario, &At::Member(at, "scenario"))?,
+        id,
+        index: e.index.map(|i| i as usize),
+        layer,
+    })
+}
+
+/// Checks an edit's own values (not whether it fits a project) by the reader's rules. Geometry takes
+/// no detour through JSON, which a vertex of a long outline could not be dragged with.
+pub(crate) fn check(edit: &Edit, at: &At<'_>) -> Result<(), Fault> {
     use crate::stored::value::Stored as _;
-    unknown_layers_are_unknown(edit)?;
-    let stored = StoredEdit::read(edit.to_stored().write(), &At::Root)?;
-    Edit::from_stored(stored, &At::Root).map(drop)
-}
-
-/// An added layer that claims to be unknown but names a known kind could not be read back as it is.
-fn unknown_layers_are_unknown(edit: &Edit) -> Result<(), Fault> {
-    if let Edit::Batch { edits, .. } = edit {
-        edits.iter().try_for_each(unknown_layers_are_unknown)?;
+    if let Edit::Batch { edits, label: _ } = edit {
+        let place = At::Member(at, "edits");
+        if edits.len() > range::MOST_EDITS {
+            let most = format!("at most {} edits", range::MOST_EDITS);
+            return Err(place.fault(most, edits.len().to_string()));
+        }
+        let mut edits = edits.iter().enumerate();
+        return edits.try_for_each(|(i, edit)| check(edit, &At::Element(&place, i)));
+    }
+    if let Edit::AddElement { element, .. } | Edit::ReplaceElement { element, .. } = edit {
+        check_element(element, &At::Member(at, "element"))?;
+    }
+    if let Edit::SetChange {
+        change: Some(change),
+        ..
+    } = edit
+    {
+        check_change(change, &At::Member(at, "change"))?;
+    }
+    if let Edit::SetChanges { changes, .. } = edit {
+        let place = At::Member(at, "changes");
+        let mut changes = changes.iter().enumerate();
+        changes.try_for_each(|(i, change)| check_change(change, &At::Element(&place, i)))?;
+    }
+    if let Edit::AddScenario { scenario, .. } = edit {
+        let place = At::Member(at, "scenario");
+        let place = At::Member(&place, "changes");
+        let mut changes = scenario.changes.iter().enumerate();
+        changes.try_for_each(|(i, change)| check_change(change, &At::Element(&place, i)))?;
     }
     if let Edit::AddLayer { layer, .. } = edit {
         unknown_is_unknown(layer)?;
     }
-    Ok(())
+    let stored = StoredEdit::read(without_vertices(edit).to_stored().write(), at)?;
+    Edit::from_stored(stored, at).map(drop)
+}
+
+/// The edit with lists of vertices left empty, and how many vertices they hold.
+pub(crate) fn apart(edit: &Edit) -> (Cow<'_, Edit>, usize) {
+    fn vertices(edit: &Edit) -> usize {
+        let of = |element: &Element| -> usize {
+            element.vertex_lists().iter().map(|list| list.len()).sum()
+        };
+        let of_change = |change: &Change| change.element().map_or(0, |element| of(element));
+        match edit {
+            Edit::AddElement { element, .. } | Edit::ReplaceElement { element, .. } => of(element),
+            Edit::SetChange { change, .. } => change.as_ref().map_or(0, of_change),
+            Edit::SetChanges { changes, .. } => changes.iter().map(of_change).sum(),
+            Edit::AddScenario { scenario, .. } => scenario.changes.iter().map(of_change).sum(),
+            _others => 0,
+        }
+    }
+    if let Edit::Batch { label, edits } = edit {
+        let (bare, counts): (Vec<Edit>, Vec<usize>) = edits
+            .iter()
+            .map(|edit| {
+                let (bare, count) = apart(edit);
+                (bare.into_owned(), count)
+            })
+            .unzip();
+        let label = label.clone();
+        let batch = Edit::Batch { label, edits: bare };
+        return (Cow::Owned(batch), counts.iter().sum());
+    }
+    (without_vertices(edit), vertices(edit))
+}
+
+/// The edit with lists of vertices left empty, which are checked already.
+fn without_vertices(edit: &Edit) -> Cow<'_, Edit> {
+    let bare = |element: &mut Arc<Element>| {
+        let lists = Arc::make_mut(element).vertex_lists_mut();
+        lists
+            .into_iter()
+            .for_each(|list| *list = Vertices::default());
+    };
+    let bare_change = |change: &mut Change| {
+        if let ChangeKind::Add { element, .. } | ChangeKind::Replace { element, .. } =
+            &mut change.kind
+        {
+            bare(element);
+        }
+    };
+    let mut edit = Cow::Borrowed(edit);
+    if matches!(
+        *edit,
+        Edit::AddElement { .. }
+            | Edit::ReplaceElement { .. }
+            | Edit::SetChange { .. }
+            | Edit::SetChanges { .. }
+            | Edit::AddScenario { .. }
+    ) {
+        let edit = edit.to_mut();
+        if let Edit::AddElement { element, .. } | Edit::ReplaceElement { element, .. } = edit {
+            bare(element);
+        }
+        if let Edit::SetChange {
+            change: Some(change),
+            ..
+        } = edit
+        {
+            bare_change(change);
+        }
+        if let Edit::SetChanges { changes, .. } = edit {
+            changes.iter_mut().for_each(bare_change);
+        }
+        if let Edit::AddScenario { scenario, .. } = edit {
+            scenario.changes.iter_mut().for_each(bare_change);
+        }
+    }
+    edit
 }
