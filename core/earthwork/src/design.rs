@@ -9,9 +9,12 @@
 
 use std::sync::Arc;
 
-use relievo_planet::MapPoint;
+use core::f64::consts::PI;
+
+use relievo_planet::{MapPoint, Planet};
 
 use crate::frame::MapRect;
+use crate::index::MapIndex;
 use crate::patch::Patch;
 use crate::prepared::{Form, Shaped};
 use crate::solid::{Hit, Scratch, Solid};
@@ -63,15 +66,21 @@ pub enum Samples<'a> {
 const BLOCK: usize = 16;
 
 /// A list of elements with heights, the first at the bottom.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Design {
+    planet: Planet,
     elements: Vec<Arc<Shaped>>,
+    index: MapIndex,
 }
 
 impl Design {
     /// The elements in the order of the list: later ones win.
-    pub fn new(elements: Vec<Arc<Shaped>>) -> Self {
-        Self { elements }
+    pub fn new(planet: Planet, elements: Vec<Arc<Shaped>>) -> Self {
+        Self {
+            planet,
+            index: MapIndex::new(elements.iter().map(|e| e.reach())),
+            elements,
+        }
     }
 
     /// The elements.
@@ -120,7 +129,22 @@ impl Design {
                             lon_rad: columns,
                             colat_rad: rows,
                         };
-                        let rect = around(columns.iter().copied(), rows.iter().copied());
+                        let ends = |all: &[f64]| {
+                            let far = |low: f64, v: &f64| low.min(*v);
+                            let low = all.iter().fold(f64::INFINITY, far);
+                            (
+                                low,
+                                all.iter().fold(f64::NEG_INFINITY, |high, v| high.max(*v)),
+                            )
+                        };
+                        let ((west, east), (north, south)) = (ends(columns), ends(rows));
+                        let corners = [(west, north), (east, south)];
+                        let rect = MapRect::of_places(
+                            corners
+                                .into_iter()
+                                .map(|(lon, colat)| MapPoint::new(lon, colat)),
+                        )
+                        .filter(|_| east - west < 1.0 && north >= 0.0 && south <= PI);
                         self.block(
                             &patch,
                             rect,
@@ -145,7 +169,8 @@ impl Design {
                         }
                         let first = row * width + column;
                         let patch = Patch::Places(&piece);
-                        self.block(&patch, None, spacing_m, (first, columns, width), outcomes);
+                        let rect = MapRect::of_places(piece.iter().copied());
+                        self.block(&patch, rect, spacing_m, (first, columns, width), outcomes);
                     }
                 }
             }
@@ -160,30 +185,29 @@ impl Design {
         (first, columns, width): (usize, usize, usize),
         outcomes: &mut [Outcome],
     ) {
+        let grown = rect.map(|r| r.grow(&self.planet, spacing_m));
+        let near: Vec<u32> = match &grown {
+            Some(rect) => self.index.touching(rect),
+            None => (0..self.elements.len() as u32).collect(),
+        };
         let mut scratch = Scratch::default();
-        let mut hits: Vec<Option<Vec<Hit>>> = Vec::new();
-        let mut any = false;
-        for element in &self.elements {
-            let near = rect
-                .is_none_or(|r| element.footprint.boxes().iter().any(|b| b.overlaps(&r)))
-                || spacing_m > 0.0;
-            let hit = match &element.form {
-                Form::Solid(solid) if near => {
-                    let mut of_patch = Vec::new();
+        let mut hits: Vec<(u32, &Form, Vec<Hit>)> = Vec::new();
+        for e in near {
+            let form = &self.elements[e as usize].form;
+            let mut of_patch = Vec::new();
+            let acts = match form {
+                Form::Solid(solid) => {
                     let around = is_narrow(solid, spacing_m).then_some(spacing_m);
-                    let reached = solid.evaluate(patch, around, &mut scratch, &mut of_patch);
-                    any |= reached;
-                    reached.then_some(of_patch)
+                    solid.evaluate(patch, around, &mut scratch, &mut of_patch)
                 }
-                Form::Brush(_) if near => {
-                    any = true;
-                    None
-                }
-                Form::Solid(_) | Form::Brush(_) | Form::Nothing => None,
+                Form::Brush(_) => true,
+                Form::Nothing => false,
             };
-            hits.push(hit);
+            if acts {
+                hits.push((e, form, of_patch));
+            }
         }
-        if !any {
+        if hits.is_empty() {
             return;
         }
         let place = |k: usize| first + k / columns * width + k % columns;
@@ -193,8 +217,8 @@ impl Design {
         let mut by: Vec<Option<(u32, Part)>> = vec![None; count];
         // The last inside counts, and everything below it does not.
         let mut inside: Vec<Option<u32>> = vec![None; count];
-        for (e, element) in self.elements.iter().enumerate().rev() {
-            let (Form::Solid(solid), Some(hits)) = (&element.form, &hits[e]) else {
+        for (e, form, hits) in hits.iter().rev() {
+            let Form::Solid(solid) = form else {
                 continue;
             };
             if is_narrow(solid, spacing_m) {
@@ -202,17 +226,17 @@ impl Design {
             }
             for (k, hit) in hits.iter().enumerate() {
                 if let (None, Some(surface)) = (inside[k], hit.inside_m) {
-                    inside[k] = Some(e as u32);
+                    inside[k] = Some(*e);
                     heights[k] = solid.inside(surface, ground[k]);
-                    by[k] = Some((e as u32, Part::Interior));
+                    by[k] = Some((*e, Part::Interior));
                 }
             }
         }
         let mut acts = vec![true; count];
-        for (e, element) in self.elements.iter().enumerate() {
-            let number = e as u32;
-            match (&element.form, &hits[e]) {
-                (Form::Solid(solid), Some(hits)) => {
+        for (number, form, hits) in &hits {
+            let number = *number;
+            match form {
+                Form::Solid(solid) => {
                     let narrow = is_narrow(solid, spacing_m);
                     for (k, hit) in hits.iter().enumerate() {
                         let done = if narrow {
@@ -227,7 +251,7 @@ impl Design {
                         }
                     }
                 }
-                (Form::Brush(brush), _) => {
+                Form::Brush(brush) => {
                     for (act, inside) in acts.iter_mut().zip(&inside) {
                         *act = inside.is_none_or(|i| i < number);
                     }
@@ -240,7 +264,7 @@ impl Design {
                         |k| by[k] = Some((number, Part::Brush)),
                     );
                 }
-                (Form::Solid(_) | Form::Nothing, _) => {}
+                Form::Nothing => {}
             }
         }
         for (k, (height_m, by)) in heights.into_iter().zip(by).enumerate() {
@@ -253,23 +277,6 @@ impl Design {
 
 fn is_narrow(solid: &Solid, spacing_m: f64) -> bool {
     solid.width_m < 2.0 * spacing_m
-}
-
-/// The rectangle between the first and last of columns and rows; `None` where they are in no order.
-fn around(
-    lon: impl DoubleEndedIterator<Item = f64> + Clone,
-    colat: impl DoubleEndedIterator<Item = f64> + Clone,
-) -> Option<MapRect> {
-    let (west, east) = (lon.clone().next()?, lon.clone().next_back()?);
-    let (north, south) = (colat.clone().next()?, colat.clone().next_back()?);
-    let rising = |all: Vec<f64>| all.windows(2).all(|w| w[0] <= w[1]);
-    let ordered = rising(lon.collect()) && rising(colat.collect());
-    (ordered && east - west < 6.0).then_some(MapRect {
-        west_rad: west,
-        east_rad: east,
-        north_rad: north,
-        south_rad: south,
-    })
 }
 
 impl Solid {

@@ -95,7 +95,14 @@ impl Footprint {
 
     /// Whether some place of a rectangle may be reached: true for all that are, and for few others.
     pub(crate) fn touches(&self, rect: &MapRect) -> bool {
-        self.boxes.iter().any(|b| b.overlaps(rect)) && self.touches_within(rect, 4)
+        let mut near = false;
+        for b in self.boxes.iter().filter(|b| b.overlaps(rect)) {
+            if rect.contains(b) {
+                return true;
+            }
+            near = true;
+        }
+        near && self.touches_within(rect, 4)
     }
 
     fn touches_within(&self, rect: &MapRect, depth: u32) -> bool {
@@ -140,7 +147,7 @@ impl Footprint {
                 near |= distance <= self.reach_m + radius;
             }
         }
-        if !near || depth == 0 {
+        if !near || large || depth == 0 {
             return near;
         }
         let quarter = |west_rad, east_rad, north_rad, south_rad| MapRect {

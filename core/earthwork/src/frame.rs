@@ -173,6 +173,84 @@ impl MapRect {
         shift <= self.east_rad - self.west_rad || TAU - shift <= other.east_rad - other.west_rad
     }
 
+    /// Whether all of `other` lies inside, around the planet.
+    pub fn contains(&self, other: &Self) -> bool {
+        let shift = (other.west_rad - self.west_rad).rem_euclid(TAU);
+        let width = self.east_rad - self.west_rad;
+        self.north_rad <= other.north_rad
+            && self.south_rad >= other.south_rad
+            && (width >= TAU || shift + (other.east_rad - other.west_rad) <= width)
+    }
+
+    /// Grown by as much as `margin_m` metres are, at least.
+    #[must_use]
+    pub fn grow(&self, planet: &Planet, margin_m: f64) -> Self {
+        let e2 = planet.eccentricity_squared();
+        let margin = margin_m * (1.0 + 1e-3) / (planet.equatorial_radius_m * (1.0 - e2));
+        let (north, south) = (self.north_rad - margin, self.south_rad + margin);
+        let narrowest = libm::sin(north.max(0.0)).min(libm::sin(south.min(PI)));
+        let reach = libm::sin(margin.min(PI / 2.0)) / narrowest.max(1e-300);
+        let turn = if reach < 1.0 { libm::asin(reach) } else { PI };
+        let width = self.east_rad - self.west_rad + 2.0 * turn;
+        if north <= 0.0 || south >= PI || width >= TAU {
+            return Self {
+                west_rad: -PI,
+                east_rad: PI,
+                north_rad: north.max(0.0),
+                south_rad: south.min(PI),
+            };
+        }
+        let west = wrap_longitude(self.west_rad - turn);
+        Self {
+            west_rad: west,
+            east_rad: west + width,
+            north_rad: north,
+            south_rad: south,
+        }
+    }
+
+    /// The rectangle around places that lie close together; all longitudes if one is at a pole.
+    pub fn of_places(places: impl Iterator<Item = MapPoint>) -> Option<Self> {
+        let mut rect: Option<(f64, Self)> = None;
+        for p in places {
+            let p = p.normalised();
+            match &mut rect {
+                None => {
+                    let at = Self {
+                        west_rad: 0.0,
+                        east_rad: 0.0,
+                        north_rad: p.colat_rad,
+                        south_rad: p.colat_rad,
+                    };
+                    rect = Some((p.lon_rad, at));
+                }
+                Some((first, r)) => {
+                    let lon = wrap_longitude(p.lon_rad - *first);
+                    r.west_rad = r.west_rad.min(lon);
+                    r.east_rad = r.east_rad.max(lon);
+                    r.north_rad = r.north_rad.min(p.colat_rad);
+                    r.south_rad = r.south_rad.max(p.colat_rad);
+                }
+            }
+        }
+        let (first, r) = rect?;
+        let width = r.east_rad - r.west_rad;
+        // Next to a pole places all around are close together.
+        if width > PI / 2.0 {
+            return Some(Self {
+                west_rad: -PI,
+                east_rad: PI,
+                ..r
+            });
+        }
+        let west = wrap_longitude(first + r.west_rad);
+        Some(Self {
+            west_rad: west,
+            east_rad: west + width,
+            ..r
+        })
+    }
+
     /// The rectangle around the places of a frame within `margin_m` of `points`, which is complete
     /// when pieces between the points are no longer than the margin allows; `encloses` are poles
     /// (north, south) known to lie inside.

@@ -17,6 +17,7 @@ mod envelope;
 mod footprint;
 pub mod frame;
 mod identity;
+pub mod index;
 mod infill;
 mod patch;
 mod polygon;
@@ -33,5 +34,6 @@ pub use element::{
     Corridor, Element, Polygon, Profile, Section, Shape, Side, Stroke, Surface, Tool, Vertex,
 };
 pub use frame::{Frame, MapRect};
+pub use index::MapIndex;
 pub use prepared::{GroundNeed, Prepared, Shaped};
 pub use warning::{Warning, WarningKind};

@@ -130,24 +130,38 @@ impl Strip {
         }
         let (low, high) = (u * axis.turn_from, length - u * axis.turn_to);
         let owned = low < high && t >= low && t <= high;
-        let share = if low < high {
-            ((t - low) / (high - low)).clamp(0.0, 1.0)
-        } else {
-            (t / length).clamp(0.0, 1.0)
-        };
+        let share = self.station(axis, length, t, u) / length;
         let profile = axis.from_m + share * (axis.to_m - axis.from_m);
         Some((owned, d2, profile + across_m(&self.section, u.abs())))
+    }
+
+    /// Lengths at both ends of a piece within which stations are bent towards the mitres.
+    #[inline]
+    fn bends(&self, axis: &Axis, length: f64) -> (f64, f64) {
+        let of = |turn: f64| (2.0 * self.half_m * turn.abs()).min(length / 2.0);
+        (of(axis.turn_from), of(axis.turn_to))
+    }
+
+    /// The station along a piece to which a point belongs: `t` itself away from the bends; at a mitre
+    /// the corner's, so that heights do not jump from piece to piece.
+    #[inline]
+    fn station(&self, axis: &Axis, length: f64, t: f64, u: f64) -> f64 {
+        let (first, last) = self.bends(axis, length);
+        let (low, high) = (u * axis.turn_from, length - u * axis.turn_to);
+        let station = if t < first && low < first {
+            first * (t - low) / (first - low)
+        } else if t > length - last && high > length - last {
+            length - last * (high - t) / (high - (length - last))
+        } else {
+            t
+        };
+        station.clamp(0.0, length)
     }
 
     /// Height of a piece's surface at a point, mitres or not.
     fn height_on(&self, axis: &Axis, t: f64, u: f64) -> f64 {
         let length = (axis.to - axis.from).length();
-        let (low, high) = (u * axis.turn_from, length - u * axis.turn_to);
-        let share = if low < high {
-            ((t - low) / (high - low)).clamp(0.0, 1.0)
-        } else {
-            (t / length).clamp(0.0, 1.0)
-        };
+        let share = self.station(axis, length, t, u) / length;
         axis.from_m + share * (axis.to_m - axis.from_m) + across_m(&self.section, u.abs())
     }
 
@@ -171,8 +185,11 @@ impl Strip {
             for u in [self.half_m, -self.half_m] {
                 let low = (u * axis.turn_from).max(0.0);
                 let high = (length - u * axis.turn_to).min(length);
-                if low < high {
-                    piece((low, u), (high, u));
+                let (first, last) = self.bends(axis, length);
+                let mut stops = [low, first.max(low), (length - last).min(high), high];
+                stops[2] = stops[2].max(stops[1]);
+                for pair in stops.windows(2).filter(|pair| pair[0] < pair[1]) {
+                    piece((pair[0], u), (pair[1].min(high), u));
                 }
             }
             let mut across = vec![-self.half_m, 0.0, self.half_m];

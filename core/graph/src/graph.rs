@@ -4,17 +4,21 @@
 //! nodes and uniform inputs drop out before any sample is made. What is left is named (content ids)
 //! or made (`run`).
 
+mod artefacts;
 mod regions;
 mod resolve;
 mod round;
 mod run;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use parking_lot::Mutex;
 use relievo_planet::{Grid, TileKey};
 use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
 
 use crate::{ContentId, IdHasher, ImageNode, Known, RenderError};
+pub use artefacts::Artefacts;
 use resolve::{Resolver, Source};
 use run::{Maker, Reader};
 
@@ -42,14 +46,24 @@ struct Entry {
 #[derive(Default)]
 pub struct GraphBuilder {
     entries: Vec<Entry>,
+    artefacts: Arc<Artefacts>,
 }
 
 /// An immutable graph of nodes.
 pub struct Graph {
     entries: Vec<Entry>,
+    artefacts: Arc<Artefacts>,
+    /// Names of the artefacts that were asked for.
+    artefact_names: Mutex<HashMap<(NodeIndex, ContentId), ContentId>>,
 }
 
 impl GraphBuilder {
+    /// Keeps artefacts in a store that other graphs may share, so that what does not change from
+    /// revision to revision is made once.
+    pub fn keep_artefacts(&mut self, store: &Arc<Artefacts>) {
+        self.artefacts = Arc::clone(store);
+    }
+
     /// Adds a node that reads `inputs`.
     ///
     /// # Panics
@@ -97,6 +111,8 @@ impl GraphBuilder {
         }
         Graph {
             entries: self.entries,
+            artefacts: self.artefacts,
+            artefact_names: Mutex::default(),
         }
     }
 }

@@ -11,6 +11,6 @@ pub mod id;
 pub mod node;
 pub mod nodes;
 
-pub use graph::{Graph, GraphBuilder, NodeIndex, TileInputs};
+pub use graph::{Artefacts, Graph, GraphBuilder, NodeIndex, TileInputs};
 pub use id::{ContentId, IdHasher};
-pub use node::{ImageNode, Job, Known, RenderError};
+pub use node::{Artefact, ImageNode, Job, Known, Made, RenderError};

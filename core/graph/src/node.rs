@@ -1,5 +1,8 @@
 //! The node contract.
 
+use std::any::Any;
+use std::sync::Arc;
+
 use relievo_planet::{Grid, SampleRect};
 use relievo_raster::file::ReadError;
 use relievo_raster::{Bands, Block, Cancel};
@@ -153,4 +156,51 @@ pub trait ImageNode: Send + Sync {
     /// # Errors
     /// [`RenderError`]; `Cancelled` soon after `job.cancel` asks for it.
     fn render(&self, job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError>;
+
+    /// What must have been made before the grid's samples can be: whatever depends on more than a
+    /// tile's surroundings. Their names go into the id of what the node gives. For nodes that are not
+    /// pointwise only.
+    fn artefacts(&self, grid: &Grid) -> Vec<Arc<dyn Artefact>> {
+        let _ = grid;
+        Vec::new()
+    }
+
+    /// [`Self::render`] with what [`Self::artefacts`] named for the grid, in the same order.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    fn render_from(
+        &self,
+        job: &Job,
+        artefacts: &[Made],
+        inputs: &[&Block],
+        out: &mut Block,
+    ) -> Result<(), RenderError> {
+        let _ = artefacts;
+        self.render(job, inputs, out)
+    }
+}
+
+/// Something that was made once; the node that asked for it knows its type.
+pub type Made = Arc<dyn Any + Send + Sync>;
+
+/// Something that a node's tiles have in common and that is made once for all of them, from samples
+/// on grids that it states itself: a solved infill, heights along a boundary.
+///
+/// A pure function of its parameters and of those samples, for every zoom the same.
+pub trait Artefact: Send + Sync {
+    /// Adds every parameter that can touch what is made.
+    fn identify(&self, id: &mut IdHasher);
+
+    /// The samples that decide it: the input's number, and where.
+    fn reads(&self) -> Vec<(usize, Grid)>;
+
+    /// Makes it from blocks of those samples in their order.
+    ///
+    /// # Errors
+    /// [`RenderError`]; `Cancelled` soon after `cancel` asks for it.
+    fn make(&self, samples: &[Block], cancel: &Cancel) -> Result<Made, RenderError>;
+
+    /// About how many bytes it takes once made.
+    fn bytes(&self) -> usize;
 }

@@ -3,6 +3,7 @@
 pub mod add_heights;
 pub mod adjust;
 pub mod constant;
+pub mod earthwork;
 pub mod edge_fade;
 pub mod file;
 mod ground;
@@ -17,6 +18,7 @@ pub mod tint;
 pub use add_heights::AddHeights;
 pub use adjust::{Adjust, AdjustParams};
 pub use constant::Constant;
+pub use earthwork::{Earthwork, PlacedElement};
 pub use edge_fade::EdgeFade;
 pub use file::FileSource;
 pub use memory::Memory;

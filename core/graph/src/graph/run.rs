@@ -8,7 +8,7 @@ use relievo_planet::SampleRect;
 use relievo_raster::{Bands, Block, Cancel, SampleType, Tile, TileBuilder};
 
 use super::resolve::{Resolver, Source};
-use super::{NodeIndex, TileInputs, round};
+use super::{NodeIndex, TileInputs, artefacts, round};
 use crate::{Job, RenderError};
 
 /// Samples of a strip: 4 rows of a tile, so that the planes of two or three nodes, 16 KiB each for
@@ -194,11 +194,13 @@ impl<'a> Maker<'a> {
         let mut out = Block::new(entry.node.output(), width, height);
         let grid = self.resolver.grid(at);
         let inputs: Vec<&Block> = inputs.iter().collect();
-        entry.node.render(
+        let made = artefacts::all(self.resolver.graph, node, &grid, self.cancel)?;
+        entry.node.render_from(
             &Job {
                 grid: &grid,
                 cancel: self.cancel,
             },
+            &made,
             &inputs,
             &mut out,
         )?;

@@ -4,8 +4,8 @@ use relievo_planet::SampleRect;
 use relievo_raster::SampleType;
 
 use super::{Resolver, Source};
-use crate::graph::NodeIndex;
 use crate::graph::regions::Region;
+use crate::graph::{NodeIndex, artefacts};
 use crate::{ContentId, IdHasher, Known};
 
 impl Resolver<'_> {
@@ -90,6 +90,9 @@ impl Resolver<'_> {
         id.bytes(entry.node.kind().as_bytes())
             .int(i64::from(entry.node.version()));
         entry.node.identify(&grid, &mut id);
+        for artefact in entry.node.artefacts(&grid) {
+            id.id(artefacts::name(self.graph, node, &*artefact));
+        }
         id.int(entry.inputs.len() as i64);
         for (k, input) in entry.inputs.iter().enumerate() {
             if entry.node.is_pointwise() {
