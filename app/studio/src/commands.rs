@@ -1,6 +1,14 @@
-//! The one table of commands: menus, shortcuts and help are made from it.
+//! The one table of commands: menus, shortcuts, the palette and help are made from it.
 
-use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
+mod keys;
+mod table;
+
+use eframe::egui::{Context, KeyboardShortcut};
+
+use crate::window::Pane;
+
+pub use keys::pressed;
+pub use table::TABLE;
 
 /// Something that the user can ask the window to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -45,12 +53,24 @@ pub enum Command {
     ResetView,
     /// Asks for coordinates and flies there.
     GoTo,
-    /// Shows or hides the layers.
-    ToggleLayers,
-    /// Shows or hides the inspector.
-    ToggleInspector,
-    /// Shows or hides the messages.
-    ToggleMessages,
+    /// Shows a pane, brings it to the front or hides it.
+    Toggle(Pane),
+    /// Puts all panes where they were at first.
+    ResetPanes,
+    /// Looks for a command by its name.
+    Palette,
+    /// Uses the colours that the system asks for.
+    FollowSystem,
+    /// Dark colours.
+    Dark,
+    /// Light colours.
+    Light,
+    /// Makes everything larger.
+    Larger,
+    /// Makes everything smaller.
+    Smaller,
+    /// Everything as large as the system says.
+    UsualSize,
     /// Tries again what failed.
     Retry,
     /// Shows all commands and how to move.
@@ -66,15 +86,24 @@ pub enum Menu {
     Edit,
     /// Layers.
     Layer,
-    /// The camera and the panels.
+    /// The camera and how the window looks.
     View,
+    /// The panes.
+    Panes,
     /// Help.
     Help,
 }
 
 impl Menu {
     /// All of them, from left to right.
-    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::Layer, Self::View, Self::Help];
+    pub const ALL: [Self; 6] = [
+        Self::File,
+        Self::Edit,
+        Self::Layer,
+        Self::View,
+        Self::Panes,
+        Self::Help,
+    ];
 
     /// What the menu bar calls it.
     pub fn title(self) -> &'static str {
@@ -83,6 +112,7 @@ impl Menu {
             Self::Edit => "Edit",
             Self::Layer => "Layer",
             Self::View => "View",
+            Self::Panes => "Panes",
             Self::Help => "Help",
         }
     }
@@ -115,218 +145,6 @@ impl Entry {
     }
 }
 
-const CTRL: Modifiers = Modifiers::COMMAND;
-const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
-const ALT: Modifiers = Modifiers::ALT;
-const PLAIN: Modifiers = Modifiers::NONE;
-
-const fn keys(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
-    KeyboardShortcut::new(modifiers, key)
-}
-
-const fn entry(
-    command: Command,
-    menu: Menu,
-    title: &'static str,
-    help: &'static str,
-    shortcuts: &'static [KeyboardShortcut],
-) -> Entry {
-    Entry {
-        command,
-        menu,
-        title,
-        help,
-        shortcuts,
-        starts_group: false,
-    }
-}
-
-const fn group(entry: Entry) -> Entry {
-    Entry {
-        starts_group: true,
-        ..entry
-    }
-}
-
-/// All commands, in the order of their menus.
-pub const TABLE: &[Entry] = &[
-    entry(
-        Command::New,
-        Menu::File,
-        "New project",
-        "Start with an empty Earth",
-        &[keys(CTRL, Key::N)],
-    ),
-    entry(
-        Command::Open,
-        Menu::File,
-        "Open project…",
-        "Open a .relievo file",
-        &[keys(CTRL, Key::O)],
-    ),
-    group(entry(
-        Command::Save,
-        Menu::File,
-        "Save",
-        "Save the project",
-        &[keys(CTRL, Key::S)],
-    )),
-    entry(
-        Command::SaveAs,
-        Menu::File,
-        "Save as…",
-        "Save the project under another name",
-        &[keys(CTRL_SHIFT, Key::S)],
-    ),
-    entry(
-        Command::Screenshot,
-        Menu::File,
-        "Save picture…",
-        "Save what the viewport shows as PNG",
-        &[keys(CTRL_SHIFT, Key::P)],
-    ),
-    group(entry(
-        Command::Quit,
-        Menu::File,
-        "Quit",
-        "Close the studio",
-        &[keys(CTRL, Key::Q)],
-    )),
-    entry(
-        Command::Undo,
-        Menu::Edit,
-        "Undo",
-        "Take the last edit back",
-        &[keys(CTRL, Key::Z)],
-    ),
-    entry(
-        Command::Redo,
-        Menu::Edit,
-        "Redo",
-        "Make the last undone edit again",
-        &[keys(CTRL_SHIFT, Key::Z), keys(CTRL, Key::Y)],
-    ),
-    entry(
-        Command::AddFiles,
-        Menu::Layer,
-        "Add files…",
-        "Add imagery or heights from raster files and sets of tiles",
-        &[keys(CTRL_SHIFT, Key::O)],
-    ),
-    entry(
-        Command::AddNoise,
-        Menu::Layer,
-        "Add noise heights",
-        "Add heights from fractal noise",
-        &[],
-    ),
-    entry(
-        Command::AddTint,
-        Menu::Layer,
-        "Add height colours",
-        "Add colours by height",
-        &[],
-    ),
-    group(entry(
-        Command::ToggleVisible,
-        Menu::Layer,
-        "Show or hide",
-        "Show or hide the selected layer",
-        &[keys(CTRL, Key::H)],
-    )),
-    entry(
-        Command::ZoomToLayer,
-        Menu::Layer,
-        "Fly to layer",
-        "Fly to where the selected layer is seen whole",
-        &[keys(PLAIN, Key::F)],
-    ),
-    entry(
-        Command::Locate,
-        Menu::Layer,
-        "Locate file…",
-        "Link the selected layer to a file that was moved, or to another one",
-        &[keys(CTRL, Key::L)],
-    ),
-    entry(
-        Command::MoveUp,
-        Menu::Layer,
-        "Move up",
-        "Draw the selected layer later, over its neighbour",
-        &[keys(ALT, Key::ArrowUp)],
-    ),
-    entry(
-        Command::MoveDown,
-        Menu::Layer,
-        "Move down",
-        "Draw the selected layer earlier, under its neighbour",
-        &[keys(ALT, Key::ArrowDown)],
-    ),
-    entry(
-        Command::RemoveLayer,
-        Menu::Layer,
-        "Remove",
-        "Remove the selected layer; its file stays",
-        &[keys(PLAIN, Key::Delete)],
-    ),
-    entry(
-        Command::NorthUp,
-        Menu::View,
-        "North up",
-        "Turn until north is up",
-        &[keys(PLAIN, Key::N)],
-    ),
-    entry(
-        Command::ResetView,
-        Menu::View,
-        "Reset view",
-        "Return to the camera that the project was saved with",
-        &[keys(PLAIN, Key::Home)],
-    ),
-    entry(
-        Command::GoTo,
-        Menu::View,
-        "Go to…",
-        "Fly to coordinates",
-        &[keys(CTRL, Key::G)],
-    ),
-    group(entry(
-        Command::ToggleLayers,
-        Menu::View,
-        "Layers",
-        "Show or hide the list of layers",
-        &[keys(CTRL_SHIFT, Key::L)],
-    )),
-    entry(
-        Command::ToggleInspector,
-        Menu::View,
-        "Inspector",
-        "Show or hide the settings of the selected layer and the scene",
-        &[keys(CTRL_SHIFT, Key::I)],
-    ),
-    entry(
-        Command::ToggleMessages,
-        Menu::View,
-        "Messages",
-        "Show or hide problems and news",
-        &[keys(CTRL_SHIFT, Key::M)],
-    ),
-    group(entry(
-        Command::Retry,
-        Menu::View,
-        "Try again",
-        "Try files and tiles again that failed",
-        &[keys(PLAIN, Key::F5)],
-    )),
-    entry(
-        Command::Help,
-        Menu::Help,
-        "Commands and keys",
-        "Show all commands and how to move",
-        &[keys(PLAIN, Key::F1)],
-    ),
-];
-
 /// The table's line of a command.
 ///
 /// # Panics
@@ -336,33 +154,6 @@ pub fn entry_of(command: Command) -> &'static Entry {
         .iter()
         .find(|e| e.command == command)
         .expect("every command is in the table")
-}
-
-/// The commands whose keys are pressed, which are then used up. While a text is being edited only
-/// keys with Ctrl count.
-pub fn pressed(ctx: &Context) -> Vec<Command> {
-    let typing = ctx.text_edit_focused();
-    let mut all: Vec<(&KeyboardShortcut, Command)> = TABLE
-        .iter()
-        .flat_map(|e| e.shortcuts.iter().map(|s| (s, e.command)))
-        .collect();
-    // Ctrl+Shift+S is also Ctrl+S to who looks at Ctrl only.
-    all.sort_by_key(|(s, _)| core::cmp::Reverse(modifiers(**s)));
-    let allowed = |s: &KeyboardShortcut| {
-        !typing || (s.modifiers.command && s.logical_key != Key::Z && s.logical_key != Key::Y)
-    };
-    ctx.input_mut(|input| {
-        all.into_iter()
-            .filter(|(s, _)| allowed(s))
-            .filter(|(s, _)| input.consume_shortcut(s))
-            .map(|(_, c)| c)
-            .collect()
-    })
-}
-
-fn modifiers(shortcut: KeyboardShortcut) -> u8 {
-    let m = shortcut.modifiers;
-    u8::from(m.command) + u8::from(m.shift) + u8::from(m.alt)
 }
 
 #[cfg(test)]

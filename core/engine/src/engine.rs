@@ -7,6 +7,7 @@ mod options;
 mod picture;
 mod planning;
 mod revisions;
+mod tally;
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -26,6 +27,8 @@ pub use self::options::{
     DEFAULT_DISK_CACHE_BYTES, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder,
     folder_of,
 };
+use self::tally::Tally;
+pub use self::tally::{Made, NodeReport};
 use crate::compile::{self, NodeCache};
 use crate::frame::{ClipKind, Frame};
 use crate::message::{Message, Messages};
@@ -50,6 +53,7 @@ pub struct Engine {
     sources: Sources,
     nodes: NodeCache,
     tiles: Tiles,
+    tally: Option<Tally>,
     messages: Messages,
     /// The layer that is being edited: what lies below it is pinned.
     pinned: Option<LayerId>,
@@ -109,6 +113,7 @@ impl Engine {
     /// When the system refuses a thread.
     pub fn new(project: Project, folder: &Path, options: EngineOptions) -> std::io::Result<Self> {
         let tile_options = options.tiles();
+        let tally = (options.tally && !options.log).then(Tally::default);
         let prefetch = asking::prefetch_for(options.memory);
         let sources = Sources::new(options.cache_folder, options.wake, options.watch)?;
         let nodes = NodeCache::default();
@@ -120,6 +125,7 @@ impl Engine {
             sources,
             nodes,
             tiles: Tiles::new(tile_options)?,
+            tally,
             messages: Messages::default(),
             pinned: None,
             revisions: 0,
@@ -208,6 +214,7 @@ impl Engine {
     /// call, infinite for stills; `None` until a view is set.
     pub fn drain(&mut self, dt_s: f32) -> Option<Frame> {
         let view = self.view?;
+        self.count_made();
         self.take_finished();
         self.recompile();
         let mut uploads = Vec::new();

@@ -7,10 +7,12 @@ pub mod bake;
 mod compile;
 pub mod engine;
 pub mod frame;
+pub mod histogram;
 mod message;
 pub mod query;
 pub mod relink;
 mod residency;
+mod sampling;
 mod scene;
 mod sources;
 mod terrain;
@@ -21,9 +23,11 @@ pub use engine::{
     DEFAULT_DISK_CACHE_BYTES, Engine, EngineOptions, EngineStats, Kept, OpenError,
     default_cache_folder, folder_of,
 };
+pub use engine::{Made, NodeReport};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};
+pub use sampling::Stage;
 pub use sources::{SourceState, Sources};
 pub use view::View;
 

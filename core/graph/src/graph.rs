@@ -136,6 +136,16 @@ impl Graph {
         nodes.filter_map(|(i, e)| e.cut.map(|_| NodeIndex(i as u32)))
     }
 
+    /// All nodes, inputs before what reads them.
+    pub fn nodes(&self) -> impl Iterator<Item = NodeIndex> + use<> {
+        (0..self.entries.len()).map(|i| NodeIndex(i as u32))
+    }
+
+    /// What a node reads.
+    pub fn inputs(&self, node: NodeIndex) -> &[NodeIndex] {
+        &self.entry(node).inputs
+    }
+
     /// The node itself.
     pub fn node(&self, node: NodeIndex) -> &dyn ImageNode {
         &*self.entry(node).node

@@ -133,6 +133,28 @@ impl History {
         self.redo.last().map(|step| step.label.as_str())
     }
 
+    /// Number of steps that can be undone.
+    pub fn undo_count(&self) -> usize {
+        self.undo.len()
+    }
+
+    /// Number of steps that can be redone.
+    pub fn redo_count(&self) -> usize {
+        self.redo.len()
+    }
+
+    /// What the step at `index` from the oldest that can be undone did.
+    pub fn undo_label_at(&self, index: usize) -> Option<&str> {
+        self.undo.get(index).map(|step| step.label.as_str())
+    }
+
+    /// What the step at `index` from the next that can be redone did.
+    pub fn redo_label_at(&self, index: usize) -> Option<&str> {
+        let from_end = index.checked_add(1)?;
+        let at = self.redo.len().checked_sub(from_end)?;
+        Some(self.redo[at].label.as_str())
+    }
+
     /// Takes back the last step. Gives the edit that was applied; `None` where there is no step.
     /// A drag that is open ends first.
     ///

@@ -656,6 +656,7 @@ impl Shared {
         if self.log {
             let kind = job.graph.node(job.node).kind();
             state.log.push(LogEntry {
+                graph: Arc::downgrade(&job.graph),
                 node: job.node,
                 kind,
                 key: job.key,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use relievo_engine::project::{Edit, LayerId};
 
+use super::panes::Pane;
 use crate::commands::Command;
 
 /// Something that a panel asks the studio to do once the panel is drawn.
@@ -17,8 +18,16 @@ pub enum Action {
     EndDrag,
     /// Selects a layer, or none.
     Select(Option<LayerId>),
+    /// Hides a pane.
+    Hide(Pane),
     /// Carries out a command.
     Run(Command),
+    /// Takes so many steps of the history back (negative) or makes them again.
+    Jump(isize),
+    /// Selects a layer and flies to it.
+    FlyTo(LayerId),
+    /// Selects a layer and asks for its file.
+    Locate(LayerId),
     /// Opens a project.
     Open(PathBuf),
     /// Forgets the projects that were open lately.

@@ -1,4 +1,4 @@
-//! The settings of the selected layer and of the scene.
+//! The settings of the selected layer.
 
 mod adjust;
 mod heights;
@@ -13,7 +13,6 @@ use relievo_engine::{Engine, SourceState};
 
 use super::action::Action;
 use super::controls::{self, Number};
-use super::scene;
 use crate::commands::{Command, entry_of};
 
 const OPACITY: Number = Number::new(
@@ -45,28 +44,14 @@ const RESAMPLINGS: [(Resampling, &str); 3] = [
     (Resampling::Bicubic, "Bicubic"),
 ];
 
-/// Which page is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Page {
-    #[default]
-    Layer,
-    Scene,
-}
-
 /// What the inspector remembers from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Inspector {
-    page: Page,
     /// The name that is being typed.
     name: Option<(LayerId, String)>,
 }
 
 impl Inspector {
-    /// Shows the page of the selected layer.
-    pub(crate) fn show_layer(&mut self) {
-        self.page = Page::Layer;
-    }
-
     /// Draws it.
     pub(crate) fn show(
         &mut self,
@@ -75,24 +60,14 @@ impl Inspector {
         selected: Option<&LayerId>,
         actions: &mut Vec<Action>,
     ) {
-        ui.horizontal(|ui| {
-            ui.selectable_value(&mut self.page, Page::Layer, "Layer")
-                .on_hover_text("Settings of the selected layer");
-            ui.selectable_value(&mut self.page, Page::Scene, "Scene")
-                .on_hover_text("Light, planet and quality");
-        });
-        ui.separator();
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                let layer = selected.and_then(|id| engine.project().layer(id));
-                match (self.page, layer) {
-                    (Page::Scene, _) => scene::show(ui, engine.project(), actions),
-                    (Page::Layer, Some(layer)) => self.layer(ui, engine, layer, actions),
-                    (Page::Layer, None) => {
-                        ui.add_space(8.0);
-                        ui.weak("Select a layer to see its settings.");
-                    }
+                if let Some(layer) = selected.and_then(|id| engine.project().layer(id)) {
+                    self.layer(ui, engine, layer, actions);
+                } else {
+                    ui.add_space(8.0);
+                    ui.weak("Select a layer to see its settings.");
                 }
                 ui.add_space(8.0);
             });

@@ -17,7 +17,12 @@ pub(crate) fn show(
     actions: &mut Vec<Action>,
 ) {
     ui.horizontal(|ui| {
-        ui.heading("Layers");
+        let count = engine.project().layers.len();
+        let text = match count {
+            1 => "1 layer".to_owned(),
+            _ => format!("{count} layers"),
+        };
+        ui.weak(text);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.menu_button("Add", |ui| {
                 for command in [Command::AddFiles, Command::AddNoise, Command::AddTint] {

@@ -1,9 +1,11 @@
 //! Problems and news: each once, with who it is about.
 
-use eframe::egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
-use relievo_engine::{Engine, Severity};
+use eframe::egui::{Align, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo};
+use relievo_engine::project::Layer;
+use relievo_engine::{Engine, Severity, SourceState};
 
 use super::action::Action;
+use super::layers;
 use crate::commands::{Command, entry_of};
 
 /// Most lines of the studio's own that are kept.
@@ -50,15 +52,13 @@ impl Log {
 /// Draws all messages.
 pub(crate) fn show(ui: &mut Ui, engine: &Engine, log: &mut Log, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
-        ui.heading("Messages");
+        let count = engine.messages().len() + log.0.len();
+        ui.weak(if count == 1 {
+            "1 line".to_owned()
+        } else {
+            format!("{count} lines")
+        });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui
-                .button("Hide")
-                .on_hover_text("Hide the messages")
-                .clicked()
-            {
-                actions.push(Action::Run(Command::ToggleMessages));
-            }
             let retry = entry_of(Command::Retry);
             if ui.button(retry.title).on_hover_text(retry.help).clicked() {
                 actions.push(Action::Run(Command::Retry));
@@ -88,23 +88,85 @@ pub(crate) fn show(ui: &mut Ui, engine: &Engine, log: &mut Log, actions: &mut Ve
                     .layer
                     .as_ref()
                     .and_then(|id| engine.project().layer(id));
-                let about = layer.map(|l| format!("{}: ", l.name)).unwrap_or_default();
-                line(ui, weight, &format!("{about}{}", message.text));
+                let about = layer.map(|l| format!("{}: ", layers::name_of(l)));
+                let text = format!("{}{}", about.unwrap_or_default(), message.text);
+                ui.push_id(&text, |ui| {
+                    line(ui, weight, &text, |ui| {
+                        if let Some(layer) = layer {
+                            remedies(ui, engine, layer, actions);
+                        }
+                    });
+                });
             }
             for (weight, text) in log.0.iter().rev() {
-                line(ui, *weight, text);
+                line(ui, *weight, text, |_| {});
             }
         });
 }
 
-fn line(ui: &mut Ui, weight: Weight, text: &str) {
+/// What can be done about a layer's problem.
+fn remedies(ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Action>) {
+    let name = layers::name_of(layer);
+    let mut button = |ui: &mut Ui, text: &str, spoken: String, hint: &str, action: Action| {
+        let button = ui.small_button(text);
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), &spoken));
+        if button.on_hover_text(hint).clicked() {
+            actions.push(action);
+        }
+    };
+    if layer.source().is_some() && !layer.locked {
+        let (spoken, hint) = (
+            format!("Find the file of {name}"),
+            entry_of(Command::Locate).help,
+        );
+        button(
+            ui,
+            "Locate…",
+            spoken,
+            hint,
+            Action::Locate(layer.id.clone()),
+        );
+    }
+    let state = engine.sources().state(&layer.kind, engine.folder());
+    if matches!(state, Some(SourceState::Failed(_))) {
+        let (spoken, hint) = (format!("Try {name} again"), entry_of(Command::Retry).help);
+        button(ui, "Try again", spoken, hint, Action::Run(Command::Retry));
+    }
+    if matches!(state, Some(SourceState::Open(_))) {
+        let (spoken, hint) = (
+            format!("Fly to {name}"),
+            entry_of(Command::ZoomToLayer).help,
+        );
+        button(
+            ui,
+            "Fly there",
+            spoken,
+            hint,
+            Action::FlyTo(layer.id.clone()),
+        );
+    }
+    let (spoken, hint) = (
+        format!("Select {name}"),
+        "Select the layer and show its settings",
+    );
+    button(
+        ui,
+        "Select",
+        spoken,
+        hint,
+        Action::Select(Some(layer.id.clone())),
+    );
+}
+
+fn line(ui: &mut Ui, weight: Weight, text: &str, remedies: impl FnOnce(&mut Ui)) {
     let (sign, colour) = match weight {
         Weight::News => ("·", ui.visuals().text_color()),
         Weight::Warning => ("!", ui.visuals().warn_fg_color),
         Weight::Error => ("×", ui.visuals().error_fg_color),
     };
-    ui.horizontal_top(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.add(Label::new(RichText::new(sign).color(colour)).selectable(false));
         ui.add(Label::new(text).wrap());
+        remedies(ui);
     });
 }

@@ -1,20 +1,14 @@
 //! The projects that were open lately, remembered from one run to the next.
-//!
-//! A list that cannot be read or written is no reason to trouble anybody: it is left out of the log
-//! of the window and told to diagnostics only.
 
 use std::collections::BTreeSet;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::remembered;
+
 /// Projects that are remembered.
 const MOST: usize = 10;
-
-/// Most bytes of the list's file that are read: paths are short.
-const MOST_BYTES: u64 = 1 << 20;
 
 /// The stored list. Members that are not known are dropped: it is no document.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -95,51 +89,17 @@ impl Recent {
 
     fn save(&self) {
         let Some(file) = &self.file else { return };
-        if let Err(error) = write(file, &self.projects) {
-            tracing::warn!("the list of recent projects is not kept: {error}: {file:?}");
-        }
+        // A path that is not Unicode cannot be written as JSON; it is no reason to lose the others.
+        let projects = self.projects.iter().filter(|p| p.to_str().is_some());
+        let projects = projects.cloned().collect();
+        remembered::write(file, &Stored { projects });
     }
 }
 
 fn read(file: &Path) -> Vec<PathBuf> {
-    let stored = match fs::metadata(file) {
-        Ok(metadata) if metadata.len() <= MOST_BYTES => fs::read(file),
-        Ok(_) => Err(io::Error::other("expected at most 1 MiB, found more")),
-        Err(error) => Err(error),
-    };
-    let stored = match stored {
-        Ok(bytes) => serde_json::from_slice::<Stored>(&bytes).map_err(io::Error::other),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Stored::default()),
-        Err(error) => Err(error),
-    };
-    match stored {
-        Ok(mut stored) => {
-            stored.projects.truncate(MOST);
-            stored.projects
-        }
-        Err(error) => {
-            tracing::warn!("the list of recent projects cannot be read: {error}: {file:?}");
-            Vec::new()
-        }
-    }
-}
-
-/// Writes the list so that whoever reads it finds the old or the new one.
-fn write(file: &Path, projects: &[PathBuf]) -> io::Result<()> {
-    // A path that is not Unicode cannot be written as JSON; it is no reason to lose the others.
-    let projects = projects.iter().filter(|p| p.to_str().is_some());
-    let stored = Stored {
-        projects: projects.cloned().collect(),
-    };
-    if let Some(folder) = file.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    let new = file.with_extension(format!("{}.new", std::process::id()));
-    fs::write(
-        &new,
-        serde_json::to_vec_pretty(&stored).map_err(io::Error::other)?,
-    )?;
-    fs::rename(&new, file)
+    let mut stored: Stored = remembered::read(file);
+    stored.projects.truncate(MOST);
+    stored.projects
 }
 
 /// The user's folder for what programs remember, where the system has one.
@@ -150,6 +110,8 @@ pub(crate) fn default_state_folder() -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

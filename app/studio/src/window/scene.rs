@@ -1,6 +1,6 @@
 //! Settings of the whole scene: light, planet, quality.
 
-use eframe::egui::{CollapsingHeader, RichText, Ui};
+use eframe::egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 use relievo_engine::project::{Auto, Body, Edit, PlanetSettings, Project, Quality, Sun};
 
 use super::action::Action;
@@ -63,9 +63,13 @@ enum Known {
 
 /// Draws them.
 pub(crate) fn show(ui: &mut Ui, project: &Project, actions: &mut Vec<Action>) {
-    section(ui, "Light", |ui| light(ui, &project.sun, actions));
-    section(ui, "Planet", |ui| planet(ui, &project.planet, actions));
-    section(ui, "Quality", |ui| quality(ui, &project.quality, actions));
+    ScrollArea::vertical()
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            section(ui, "Light", |ui| light(ui, &project.sun, actions));
+            section(ui, "Planet", |ui| planet(ui, &project.planet, actions));
+            section(ui, "Quality", |ui| quality(ui, &project.quality, actions));
+        });
 }
 
 fn light(ui: &mut Ui, sun: &Sun, actions: &mut Vec<Action>) {

@@ -4,6 +4,7 @@ use eframe::egui::{Align, Button, Label, Layout, RichText, Spinner, Ui};
 use relievo_engine::planet::MapPoint;
 
 use super::action::Action;
+use super::panes::Pane;
 use crate::commands::Command;
 
 /// How coordinates are written.
@@ -64,7 +65,7 @@ pub(crate) fn show(
                 let text = if status.problems == 1 { "1 problem".to_owned() } else { format!("{} problems", status.problems) };
                 let text = RichText::new(text).color(ui.visuals().warn_fg_color);
                 if ui.add(Button::new(text).frame(false)).on_hover_text("Show or hide the messages").clicked() {
-                    actions.push(Action::Run(Command::ToggleMessages));
+                    actions.push(Action::Run(Command::Toggle(Pane::Messages)));
                 }
                 ui.separator();
             }

@@ -10,6 +10,7 @@ use glam::{DVec2, DVec3};
 use relievo_engine::Frame;
 use relievo_engine::planet::MapPoint;
 use relievo_engine::planet::camera::FlyInput;
+use relievo_engine::raster::Cancel;
 use relievo_gpu::{AdapterClass, RenderError};
 
 use super::action::Action;
@@ -42,6 +43,7 @@ impl Studio {
         if rect.width() < 1.0 || rect.height() < 1.0 {
             return;
         }
+        self.aspect = f64::from(rect.aspect_ratio());
         let dt_s = ui.input(|i| i.stable_dt).min(LONGEST_FRAME_S);
         self.steer(ui, rect, &response, dt_s);
         self.draw(ui, rect, dt_s);
@@ -191,7 +193,6 @@ impl Studio {
         });
         let Some((point, drawn_m)) = found else {
             self.status.pointed = None;
-            self.probe.forget();
             return;
         };
         // A rounded place: what is asked for stays the same while nothing moves.
@@ -203,14 +204,18 @@ impl Studio {
             && !self.navigation.is_moving();
         if rests && self.status.pending == 0 && self.status.opening == 0 {
             let engine = self.document.engine();
-            self.probe.ask(spot, || engine.questions());
+            self.probe.ask(spot, || {
+                let questions = engine.questions();
+                move |cancel: &Cancel| questions.place(point, cancel).ok()
+            });
         } else if !rests {
             ui.ctx()
                 .request_repaint_after(Duration::from_secs_f32(REST_S));
         }
         let measured = self
             .probe
-            .answer(spot)
+            .answer(&spot)
+            .flatten()
             .map(|a| (a.height_m, a.slope_deg, a.spacing_m));
         self.status.pointed = Some(Pointed {
             point,

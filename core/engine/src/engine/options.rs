@@ -23,6 +23,8 @@ pub struct EngineOptions {
     pub disk_cache: u64,
     /// Whether [`Engine::take_log`](super::Engine::take_log) records which tiles were made.
     pub log: bool,
+    /// Whether [`Engine::nodes`](super::Engine::nodes) counts what each node made. Not together with `log`.
+    pub tally: bool,
     /// How often files are looked at, so that one that changed on disk, came back or is gone is
     /// noticed; `None`: only when [`Engine::look_at_files`](super::Engine::look_at_files) is called.
     pub watch: Option<Duration>,
@@ -39,6 +41,7 @@ impl Default for EngineOptions {
             cache_folder: default_cache_folder(),
             disk_cache: DEFAULT_DISK_CACHE_BYTES,
             log: false,
+            tally: false,
             watch: None,
             wake: None,
         }
@@ -49,7 +52,7 @@ impl EngineOptions {
     pub(super) fn tiles(&self) -> TilesOptions {
         let mut tiles = TilesOptions {
             memory: self.memory,
-            log: self.log,
+            log: self.log || self.tally,
             ..TilesOptions::default()
         };
         if let Some(threads) = self.threads {

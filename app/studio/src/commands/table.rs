@@ -1,0 +1,316 @@
+//! The table: every command once, in the order of its menu.
+
+use eframe::egui::{Key, KeyboardShortcut, Modifiers};
+
+use super::{Command, Entry, Menu};
+use crate::window::Pane;
+
+const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+const ALT: Modifiers = Modifiers::ALT;
+const PLAIN: Modifiers = Modifiers::NONE;
+
+const fn keys(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(modifiers, key)
+}
+
+const fn entry(
+    command: Command,
+    menu: Menu,
+    title: &'static str,
+    help: &'static str,
+    shortcuts: &'static [KeyboardShortcut],
+) -> Entry {
+    Entry {
+        command,
+        menu,
+        title,
+        help,
+        shortcuts,
+        starts_group: false,
+    }
+}
+
+const fn group(entry: Entry) -> Entry {
+    Entry {
+        starts_group: true,
+        ..entry
+    }
+}
+
+const fn pane(
+    pane: Pane,
+    title: &'static str,
+    help: &'static str,
+    shortcuts: &'static [KeyboardShortcut],
+) -> Entry {
+    entry(Command::Toggle(pane), Menu::Panes, title, help, shortcuts)
+}
+
+/// All commands, in the order of their menus.
+pub const TABLE: &[Entry] = &[
+    entry(
+        Command::New,
+        Menu::File,
+        "New project",
+        "Start with an empty Earth",
+        &[keys(CTRL, Key::N)],
+    ),
+    entry(
+        Command::Open,
+        Menu::File,
+        "Open project…",
+        "Open a .relievo file",
+        &[keys(CTRL, Key::O)],
+    ),
+    group(entry(
+        Command::Save,
+        Menu::File,
+        "Save",
+        "Save the project",
+        &[keys(CTRL, Key::S)],
+    )),
+    entry(
+        Command::SaveAs,
+        Menu::File,
+        "Save as…",
+        "Save the project under another name",
+        &[keys(CTRL_SHIFT, Key::S)],
+    ),
+    entry(
+        Command::Screenshot,
+        Menu::File,
+        "Save picture…",
+        "Save what the viewport shows as PNG",
+        &[keys(CTRL_SHIFT, Key::P)],
+    ),
+    group(entry(
+        Command::Quit,
+        Menu::File,
+        "Quit",
+        "Close the studio",
+        &[keys(CTRL, Key::Q)],
+    )),
+    entry(
+        Command::Undo,
+        Menu::Edit,
+        "Undo",
+        "Take the last edit back",
+        &[keys(CTRL, Key::Z)],
+    ),
+    entry(
+        Command::Redo,
+        Menu::Edit,
+        "Redo",
+        "Make the last undone edit again",
+        &[keys(CTRL_SHIFT, Key::Z), keys(CTRL, Key::Y)],
+    ),
+    entry(
+        Command::AddFiles,
+        Menu::Layer,
+        "Add files…",
+        "Add imagery or heights from raster files and sets of tiles",
+        &[keys(CTRL_SHIFT, Key::O)],
+    ),
+    entry(
+        Command::AddNoise,
+        Menu::Layer,
+        "Add noise heights",
+        "Add heights from fractal noise",
+        &[],
+    ),
+    entry(
+        Command::AddTint,
+        Menu::Layer,
+        "Add height colours",
+        "Add colours by height",
+        &[],
+    ),
+    group(entry(
+        Command::ToggleVisible,
+        Menu::Layer,
+        "Show or hide",
+        "Show or hide the selected layer",
+        &[keys(CTRL, Key::H)],
+    )),
+    entry(
+        Command::ZoomToLayer,
+        Menu::Layer,
+        "Fly to layer",
+        "Fly to where the selected layer is seen whole",
+        &[keys(PLAIN, Key::F)],
+    ),
+    entry(
+        Command::Locate,
+        Menu::Layer,
+        "Locate file…",
+        "Link the selected layer to a file that was moved, or to another one",
+        &[keys(CTRL, Key::L)],
+    ),
+    entry(
+        Command::MoveUp,
+        Menu::Layer,
+        "Move up",
+        "Draw the selected layer later, over its neighbour",
+        &[keys(ALT, Key::ArrowUp)],
+    ),
+    entry(
+        Command::MoveDown,
+        Menu::Layer,
+        "Move down",
+        "Draw the selected layer earlier, under its neighbour",
+        &[keys(ALT, Key::ArrowDown)],
+    ),
+    entry(
+        Command::RemoveLayer,
+        Menu::Layer,
+        "Remove",
+        "Remove the selected layer; its file stays",
+        &[keys(PLAIN, Key::Delete)],
+    ),
+    entry(
+        Command::NorthUp,
+        Menu::View,
+        "North up",
+        "Turn until north is up",
+        &[keys(PLAIN, Key::N)],
+    ),
+    entry(
+        Command::ResetView,
+        Menu::View,
+        "Reset view",
+        "Return to the camera that the project was saved with",
+        &[keys(PLAIN, Key::Home)],
+    ),
+    entry(
+        Command::GoTo,
+        Menu::View,
+        "Go to…",
+        "Fly to coordinates",
+        &[keys(CTRL, Key::G)],
+    ),
+    group(entry(
+        Command::Retry,
+        Menu::View,
+        "Try again",
+        "Try files and tiles again that failed",
+        &[keys(PLAIN, Key::F5)],
+    )),
+    group(entry(
+        Command::FollowSystem,
+        Menu::View,
+        "Colours of the system",
+        "Dark or light as the system asks for",
+        &[],
+    )),
+    entry(
+        Command::Dark,
+        Menu::View,
+        "Dark",
+        "Light text on dark ground",
+        &[],
+    ),
+    entry(
+        Command::Light,
+        Menu::View,
+        "Light",
+        "Dark text on light ground",
+        &[],
+    ),
+    group(entry(
+        Command::Larger,
+        Menu::View,
+        "Larger",
+        "Make text and controls larger",
+        &[keys(CTRL, Key::Plus), keys(CTRL, Key::Equals)],
+    )),
+    entry(
+        Command::Smaller,
+        Menu::View,
+        "Smaller",
+        "Make text and controls smaller",
+        &[keys(CTRL, Key::Minus)],
+    ),
+    entry(
+        Command::UsualSize,
+        Menu::View,
+        "Usual size",
+        "Make text and controls as large as the system says",
+        &[keys(CTRL, Key::Num0)],
+    ),
+    pane(
+        Pane::Layers,
+        "Layers",
+        "Show or hide the list of layers",
+        &[keys(CTRL_SHIFT, Key::L)],
+    ),
+    pane(
+        Pane::Inspector,
+        "Inspector",
+        "Show or hide the settings of what is selected",
+        &[keys(CTRL_SHIFT, Key::I)],
+    ),
+    pane(
+        Pane::Scene,
+        "Scene",
+        "Show or hide light, planet and quality",
+        &[keys(CTRL_SHIFT, Key::E)],
+    ),
+    pane(
+        Pane::History,
+        "History",
+        "Show or hide what can be undone and redone",
+        &[keys(CTRL_SHIFT, Key::H)],
+    ),
+    pane(
+        Pane::Messages,
+        "Messages",
+        "Show or hide problems and news",
+        &[keys(CTRL_SHIFT, Key::M)],
+    ),
+    pane(
+        Pane::Place,
+        "Place",
+        "Show or hide what made the ground under the pointer",
+        &[keys(CTRL_SHIFT, Key::W)],
+    ),
+    pane(
+        Pane::Histogram,
+        "Histogram",
+        "Show or hide how often each value is seen in the selected layer",
+        &[keys(CTRL_SHIFT, Key::G)],
+    ),
+    pane(
+        Pane::Graph,
+        "Graph",
+        "Show or hide the nodes that make the picture",
+        &[keys(CTRL_SHIFT, Key::N)],
+    ),
+    pane(
+        Pane::Statistics,
+        "Statistics",
+        "Show or hide what the program is doing",
+        &[keys(CTRL_SHIFT, Key::T)],
+    ),
+    group(entry(
+        Command::ResetPanes,
+        Menu::Panes,
+        "Reset panes",
+        "Put all panes where they were at first",
+        &[],
+    )),
+    entry(
+        Command::Palette,
+        Menu::Help,
+        "Find a command…",
+        "Look for a command by its name",
+        &[keys(CTRL, Key::P), keys(CTRL, Key::K)],
+    ),
+    entry(
+        Command::Help,
+        Menu::Help,
+        "Commands and keys",
+        "Show all commands and how to move",
+        &[keys(PLAIN, Key::F1)],
+    ),
+];

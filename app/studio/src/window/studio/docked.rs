@@ -1,0 +1,195 @@
+//! Drawing the panes.
+
+use eframe::egui::{self, CentralPanel, CursorIcon, Frame, Margin, Panel, Stroke, Ui, Visuals};
+use egui_tiles::{
+    Behavior, EditAction, ResizeState, SimplificationOptions, TabState, Tabs, TileId, Tiles,
+    UiResponse,
+};
+
+use super::Studio;
+use crate::commands::Command;
+use crate::window::action::Action;
+use crate::window::panes::Pane;
+use crate::window::{history, layers, messages, place, scene, statistics, status};
+
+/// Smallest side of a pane, points.
+const LEAST: f32 = 70.0;
+
+impl Studio {
+    /// Menu, panes and status bar.
+    pub(super) fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        Panel::top("menu").show(ui, |ui| self.menus(ui, actions));
+        Panel::bottom("status").exact_size(26.0).show(ui, |ui| {
+            status::show(ui, &self.status, &mut self.notation, actions);
+        });
+        let bare = Frame::new().inner_margin(Margin::ZERO);
+        CentralPanel::default().frame(bare).show(ui, |ui| {
+            let mut tree = self.layout.take();
+            let mut docked = Docked {
+                view: tree.tiles.find_pane(&Pane::View),
+                studio: self,
+                actions,
+                changed: false,
+            };
+            tree.ui(&mut docked, ui);
+            let changed = docked.changed;
+            self.layout.put_back(tree, changed);
+        });
+    }
+
+    fn pane(&mut self, ui: &mut Ui, pane: Pane, actions: &mut Vec<Action>) {
+        let engine = self.document.engine();
+        match pane {
+            Pane::View => self.viewport(ui, actions),
+            Pane::Layers => layers::show(ui, engine, self.selected.as_ref(), actions),
+            Pane::Inspector => self
+                .inspector
+                .show(ui, engine, self.selected.as_ref(), actions),
+            Pane::Scene => scene::show(ui, engine.project(), actions),
+            Pane::History => history::show(ui, engine, actions),
+            Pane::Messages => messages::show(ui, engine, &mut self.log, actions),
+            Pane::Place => {
+                let answer = self.probe.last().flatten();
+                place::show(ui, engine.project(), self.notation, answer.as_ref());
+            }
+            Pane::Histogram => self.histogram_pane(ui),
+            Pane::Graph => self.graph.show(ui, engine),
+            Pane::Statistics => {
+                let frame = self.stage.as_ref().and_then(|s| s.stats());
+                statistics::show(ui, engine, frame, &self.status);
+            }
+        }
+    }
+}
+
+/// How the tree of panes looks and what its panes show.
+struct Docked<'a> {
+    studio: &'a mut Studio,
+    actions: &'a mut Vec<Action>,
+    /// The tile of the view.
+    view: Option<TileId>,
+    changed: bool,
+}
+
+impl Behavior<Pane> for Docked<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
+        if *pane == Pane::View {
+            self.studio.viewport(ui, self.actions);
+            return UiResponse::None;
+        }
+        let fill = ui.visuals().panel_fill;
+        let frame = Frame::new()
+            .fill(fill)
+            .inner_margin(Margin::symmetric(8, 6));
+        frame.show(ui, |ui| {
+            ui.set_min_size(ui.available_size());
+            ui.push_id(pane.title(), |ui| self.studio.pane(ui, *pane, self.actions));
+        });
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> egui::WidgetText {
+        pane.title().into()
+    }
+
+    fn tab_hover_cursor_icon(&self) -> CursorIcon {
+        CursorIcon::PointingHand
+    }
+
+    fn on_tab_button(
+        &mut self,
+        tiles: &mut Tiles<Pane>,
+        tile: TileId,
+        response: egui::Response,
+    ) -> egui::Response {
+        let Some(pane) = tiles.get_pane(&tile).copied() else {
+            return response;
+        };
+        if response.middle_clicked() {
+            self.actions.push(Action::Hide(pane));
+        }
+        response.context_menu(|ui| {
+            if ui.button(format!("Hide {}", pane.title())).clicked() {
+                self.actions.push(Action::Hide(pane));
+                ui.close();
+            }
+            if ui.button("Reset panes").clicked() {
+                self.actions.push(Action::Run(Command::ResetPanes));
+                ui.close();
+            }
+        });
+        response.on_hover_text("Drag to move this pane")
+    }
+
+    fn top_bar_right_ui(
+        &mut self,
+        tiles: &Tiles<Pane>,
+        ui: &mut Ui,
+        _tile: TileId,
+        tabs: &Tabs,
+        _scroll: &mut f32,
+    ) {
+        let Some(pane) = tabs.active.and_then(|tile| tiles.get_pane(&tile)) else {
+            return;
+        };
+        ui.add_space(4.0);
+        let name = format!("Hide {}", pane.title());
+        let button = ui.add(egui::Button::new("×").frame(false));
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+        if button.on_hover_text(name).clicked() {
+            self.actions.push(Action::Hide(*pane));
+        }
+    }
+
+    fn is_tab_bar_visible(&self, _tile: TileId, tabs: &Tabs) -> bool {
+        // The view needs no title, unless other panes share its place.
+        tabs.children.iter().any(|child| Some(*child) != self.view)
+    }
+
+    fn tab_bar_height(&self, _style: &egui::Style) -> f32 {
+        26.0
+    }
+
+    fn gap_width(&self, _style: &egui::Style) -> f32 {
+        2.0
+    }
+
+    fn min_size(&self) -> f32 {
+        LEAST
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions {
+            all_panes_must_have_tabs: true,
+            ..SimplificationOptions::default()
+        }
+    }
+
+    fn tab_bar_color(&self, visuals: &Visuals) -> egui::Color32 {
+        visuals
+            .faint_bg_color
+            .blend(visuals.extreme_bg_color.gamma_multiply(0.35))
+    }
+
+    fn tab_outline_stroke(
+        &self,
+        _visuals: &Visuals,
+        _tiles: &Tiles<Pane>,
+        _tile: TileId,
+        _state: &TabState,
+    ) -> Stroke {
+        Stroke::NONE
+    }
+
+    fn resize_stroke(&self, style: &egui::Style, state: ResizeState) -> Stroke {
+        match state {
+            ResizeState::Idle => style.visuals.widgets.noninteractive.bg_stroke,
+            ResizeState::Hovering => style.visuals.widgets.hovered.fg_stroke,
+            ResizeState::Dragging => Stroke::new(2.0, style.visuals.selection.bg_fill),
+        }
+    }
+
+    fn on_edit(&mut self, _action: EditAction) {
+        self.changed = true;
+    }
+}

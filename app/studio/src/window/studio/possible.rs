@@ -1,0 +1,48 @@
+//! Which commands can do something now.
+
+use super::Studio;
+use crate::commands::Command;
+
+impl Studio {
+    /// Whether a command can do something now.
+    pub(super) fn is_possible(&self, command: Command) -> bool {
+        let history = self.document.engine().history();
+        let layer = self
+            .selected
+            .as_ref()
+            .and_then(|id| self.document.project().layer(id));
+        let unlocked = layer.is_some_and(|l| !l.locked);
+        match command {
+            Command::Undo => history.undo_label().is_some(),
+            Command::Redo => history.redo_label().is_some(),
+            Command::RemoveLayer | Command::MoveUp | Command::MoveDown | Command::ToggleVisible => {
+                unlocked
+            }
+            Command::ZoomToLayer => layer.is_some_and(|l| l.source().is_some()),
+            Command::Locate => unlocked && layer.is_some_and(|l| l.source().is_some()),
+            Command::Screenshot => self.stage.is_some(),
+            Command::New
+            | Command::Open
+            | Command::Save
+            | Command::SaveAs
+            | Command::Quit
+            | Command::AddFiles
+            | Command::AddNoise
+            | Command::AddTint
+            | Command::NorthUp
+            | Command::ResetView
+            | Command::GoTo
+            | Command::Toggle(_)
+            | Command::ResetPanes
+            | Command::Palette
+            | Command::FollowSystem
+            | Command::Dark
+            | Command::Light
+            | Command::Larger
+            | Command::Smaller
+            | Command::UsualSize
+            | Command::Retry
+            | Command::Help => true,
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The window as people use it, without a GPU.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod basics;
+mod panes;
+mod shared;

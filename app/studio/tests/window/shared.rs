@@ -1,0 +1,147 @@
+//! A window on a project, without a GPU.
+
+use std::path::PathBuf;
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use relievo::window::{Studio, StudioOptions};
+use relievo_engine::project::{Layer, LayerKind};
+
+/// A project of noise and two tints.
+pub(crate) const PROJECT: &str = r##"{"version": 1, "layers": [
+    {"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 900.0, "wavelength_m": 500000.0, "octaves": 3},
+    {"id": "low", "name": "Low tint", "kind": "tint", "stops": [{"height_m": 0.0, "colour": "#102030"}]},
+    {"id": "high", "name": "High tint", "kind": "tint", "stops": [{"height_m": 0.0, "colour": "#f0e0d0"}]}]}"##;
+
+/// A window on a project in a folder of its own.
+pub(crate) struct Window {
+    pub(crate) harness: Harness<'static, Studio>,
+    pub(crate) file: PathBuf,
+    folder: tempfile::TempDir,
+}
+
+impl Window {
+    pub(crate) fn open(text: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("sample.relievo");
+        std::fs::write(&file, text).unwrap();
+        Self::start(folder, file, true)
+    }
+
+    /// The next run on the same file.
+    pub(crate) fn again(self) -> Self {
+        let Self {
+            harness,
+            file,
+            folder,
+        } = self;
+        drop(harness);
+        Self::start(folder, file, true)
+    }
+
+    /// A window with a list of recent projects in the folder; `open`: on the file.
+    pub(crate) fn start(folder: tempfile::TempDir, file: PathBuf, open: bool) -> Self {
+        let mut studio = Studio::new(StudioOptions {
+            threads: Some(1),
+            cache_folder: None,
+            disk_cache: 0,
+            state_folder: Some(folder.path().join("state")),
+        })
+        .unwrap();
+        if open {
+            studio.open_project(&file).unwrap();
+        }
+        let harness = Harness::builder()
+            .with_size(vec2(1200.0, 800.0))
+            .build_eframe(|cc| {
+                studio.attach(cc);
+                studio
+            });
+        let mut window = Self {
+            harness,
+            file,
+            folder,
+        };
+        window.harness.run_steps(3);
+        window
+    }
+
+    pub(crate) fn steps(&mut self) {
+        self.harness.run_steps(3);
+    }
+
+    /// Goes on until something that another thread has to say is there.
+    pub(crate) fn until(&mut self, what: &str, there: impl Fn(&Self) -> bool) {
+        for _ in 0..20_000 {
+            if there(self) {
+                return;
+            }
+            self.harness.run_steps(1);
+            std::thread::yield_now();
+        }
+        panic!("never came: {what}");
+    }
+
+    pub(crate) fn has_button(&self, label: &str) -> bool {
+        self.harness
+            .query_by_role_and_label(Role::Button, label)
+            .is_some()
+    }
+
+    pub(crate) fn click(&mut self, label: &str) {
+        self.harness
+            .get_by_role_and_label(Role::Button, label)
+            .click();
+        self.steps();
+    }
+
+    pub(crate) fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.steps();
+    }
+
+    pub(crate) fn layers(&self) -> &[Layer] {
+        &self.harness.state().document().project().layers
+    }
+
+    pub(crate) fn order(&self) -> Vec<&str> {
+        self.layers().iter().map(|l| l.id.0.as_str()).collect()
+    }
+
+    pub(crate) fn brightness(&self, id: &str) -> f64 {
+        match &self.layers().iter().find(|l| l.id.0 == id).unwrap().kind {
+            LayerKind::Tint(tint) => tint.adjust.brightness,
+            other @ (LayerKind::Imagery(_)
+            | LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. }) => panic!("expected a tint, found {}", other.name()),
+        }
+    }
+
+    pub(crate) fn undo_label(&self) -> Option<String> {
+        self.harness
+            .state()
+            .document()
+            .engine()
+            .history()
+            .undo_label()
+            .map(str::to_owned)
+    }
+
+    /// Drags with the main button in a few steps.
+    pub(crate) fn drag(&mut self, from: Pos2, to: Pos2) {
+        self.harness.hover_at(from);
+        self.harness.run_steps(1);
+        self.harness.drag_at(from);
+        self.harness.run_steps(1);
+        for i in 1..=4 {
+            self.harness.hover_at(from + (to - from) * (i as f32 / 4.0));
+            self.harness.run_steps(1);
+        }
+        self.harness.drop_at(to);
+        self.steps();
+    }
+}
