@@ -7,7 +7,7 @@ use relievo_graph::{ContentId, Graph, NodeIndex};
 use relievo_planet::TileKey;
 
 /// One tile that was made, in order of completion.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct LogEntry {
     /// The graph that the cut point belongs to.
     pub graph: Weak<Graph>,
@@ -24,3 +24,12 @@ pub struct LogEntry {
     /// How long it took.
     pub cost: Duration,
 }
+
+impl PartialEq for LogEntry {
+    fn eq(&self, other: &Self) -> bool {
+        let of = |e: &Self| (e.node, e.kind, e.key, e.id, e.ready, e.cost);
+        self.graph.ptr_eq(&other.graph) && of(self) == of(other)
+    }
+}
+
+impl Eq for LogEntry {}
