@@ -14,6 +14,7 @@ pub mod normals;
 pub mod overlay;
 pub mod overlay_heights;
 pub mod tint;
+pub mod vector;
 
 pub use add_heights::AddHeights;
 pub use adjust::{Adjust, AdjustParams};
@@ -27,3 +28,4 @@ pub use normals::Normals;
 pub use overlay::{BlendMode, Overlay};
 pub use overlay_heights::OverlayHeights;
 pub use tint::{Stop, Tint, TintError};
+pub use vector::Vector;

@@ -8,11 +8,13 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use relievo_graph::nodes::{
     AddHeights, Adjust, AdjustParams, BlendMode, Constant, Memory, Noise, NoiseParams, Normals,
-    Overlay, OverlayHeights, Stop, Tint,
+    Overlay, OverlayHeights, Stop, Tint, Vector,
 };
 use relievo_graph::{ContentId, Graph, GraphBuilder, IdHasher, ImageNode, Job, NodeIndex};
 use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
 use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
+use relievo_vector::style::Length;
+use relievo_vector::{Builder, Drawing, Style};
 
 /// A node with sample parameters, and the bands that it reads.
 struct Entry {
@@ -59,6 +61,26 @@ fn memory() -> Arc<Memory> {
     Arc::new(Memory::new(&grid, samples))
 }
 
+/// A polygon around the antimeridian and a line, in pixels or metres.
+fn vector(width: Length) -> Arc<Vector> {
+    let mut features = Builder::degrees();
+    let ring = [[150.0, -40.0], [-140.0, -30.0], [-150.0, 50.0], [160.0, 30.0]];
+    features.ring(ring, false).expect("a ring");
+    features.feature().expect("few features");
+    let line = [[-100.0, 80.0], [0.0, -20.0], [40.0, 45.0]];
+    features.line(line).expect("a line");
+    let features = features.finish().expect("places on the planet");
+    let style = Style {
+        fill: Some([0.2, 0.8, 0.1, 0.6]),
+        stroke: Some([0.9, 0.1, 0.1, 1.0]),
+        stroke_width: Some(width),
+        dash: vec![9.0, 4.0],
+        ..Style::default()
+    };
+    let drawing = Drawing::new(Arc::new(features), style, Planet::EARTH);
+    Arc::new(Vector::new(Arc::new(drawing)))
+}
+
 /// Every node of the crate that needs no file.
 fn registry() -> Vec<Entry> {
     const COLOURS: &[Bands] = &[Bands::Colour, Bands::Colour];
@@ -74,6 +96,8 @@ fn registry() -> Vec<Entry> {
             &[],
         ),
         entry("memory", memory(), &[]),
+        entry("vector", vector(Length::Pixels(3.0)), &[]),
+        entry("wide vector", vector(Length::Metres(200_000.0)), &[]),
         entry(
             "noise",
             Arc::new(Noise::new(Planet::EARTH, &noise_params(1, false))),
@@ -405,6 +429,12 @@ fn every_node() -> (Graph, Vec<NodeIndex>) {
     let colours = b.add(
         Arc::new(Overlay::new(BlendMode::Overlay, 0.7, false)),
         &[tinted, stepped],
+    );
+    b.cut(colours, SampleType::Rgba16F);
+    let drawn = b.add(vector(Length::Pixels(3.0)), &[]);
+    let colours = b.add(
+        Arc::new(Overlay::new(BlendMode::Normal, 0.8, false)),
+        &[colours, drawn],
     );
     b.cut(colours, SampleType::Rgba16F);
     let over = b.add(

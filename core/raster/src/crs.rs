@@ -292,6 +292,18 @@ impl core::fmt::Debug for Crs {
     }
 }
 
+/// The system that Well-Known Text (of OGC, ESRI or ISO 19162) or an old `.prj` means, as a definition
+/// for [`Crs::parse`]; `None` where that is not known here.
+pub fn from_wkt(text: &str) -> Option<String> {
+    crate::prj::name_of(text)
+}
+
+/// The system that a file's `.prj` companion names, as [`from_wkt`] reads it; `None` where there is
+/// none or it is not known.
+pub fn from_prj_beside(file: &std::path::Path) -> Option<String> {
+    crate::prj::beside(file)
+}
+
 fn form(definition: &str) -> CrsError {
     CrsError::Form {
         definition: shown(definition),
