@@ -14,6 +14,7 @@ pub mod features;
 pub mod open;
 pub mod style;
 pub mod value;
+pub mod write;
 
 mod read;
 

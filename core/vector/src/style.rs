@@ -37,6 +37,8 @@ pub enum SymbolShape {
     Circle,
     /// A square, sides along meridians and parallels.
     Square,
+    /// A square on its corner.
+    Diamond,
     /// A triangle, point to the north.
     Triangle,
     /// An upright cross.

@@ -112,6 +112,7 @@ fn corners(shape: SymbolShape, at: DVec2, radii: DVec2) -> Vec<DVec2> {
         SymbolShape::Square => [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map(|u| place(0.886 * DVec2::from(u)))
             .to_vec(),
+        SymbolShape::Diamond => around(4, |_| 1.25),
         SymbolShape::Triangle => around(3, |_| 1.15),
         SymbolShape::Star => around(10, |i| if i % 2 == 0 { 1.2 } else { 0.48 }),
         SymbolShape::Cross => {

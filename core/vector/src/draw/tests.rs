@@ -87,7 +87,7 @@ fn area_m2(block: &Block, grid: &Grid) -> f64 {
     let mut area = 0.0;
     for (i, a) in block.plane(3).iter().enumerate() {
         let row = grid.rect.min.y + (i / block.width()) as i64;
-        let p = grid.lattice.centre(glam::I64Vec2::new(0, row));
+        let p = grid.lattice.centre(I64Vec2::new(0, row));
         let size = Planet::EARTH.metres_per_radian(p.y) * grid.lattice.step.abs();
         area += f64::from(*a) * size.x * size.y;
     }
@@ -373,7 +373,7 @@ fn a_projected_grid_shows_the_same_areas() {
     let mut b = Builder::degrees();
     b.ring(ring, false).unwrap();
     let drawing = drawing(b.finish().unwrap(), fill(RED));
-    let utm = relievo_planet::Lattice {
+    let utm = Lattice {
         crs: relievo_planet::GridCrs::Projected("EPSG:26912".into()),
         origin: DVec2::new(430_000.0, 4_470_000.0),
         step: DVec2::new(30.0, -30.0),
