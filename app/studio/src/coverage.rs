@@ -5,6 +5,7 @@ use relievo_engine::planet::map::wrap_longitude;
 use relievo_engine::planet::{Camera, Planet};
 use relievo_engine::raster::RasterInfo;
 use relievo_engine::raster::crs::Crs;
+use relievo_engine::vector::Features;
 
 /// Longitudes and latitudes that sources cover, degrees.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +63,17 @@ impl Coverage {
             };
         }
         frame
+    }
+
+    /// The box around features; `None` without any.
+    pub(crate) fn of_features(features: &Features) -> Option<Self> {
+        let bounds = features.bounds()?;
+        Some(Self {
+            west: bounds.min.x.to_degrees(),
+            south: bounds.min.y.to_degrees(),
+            east: bounds.max.x.to_degrees(),
+            north: bounds.max.y.to_degrees(),
+        })
     }
 
     /// What both cover.

@@ -10,21 +10,23 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 use relievo_graph::nodes::{
     AddHeights, Adjust, AdjustParams, BlendMode, Constant, EdgeFade, FileSource, Noise,
-    NoiseParams, Normals, Overlay, OverlayHeights, Stop, Tint,
+    NoiseParams, Normals, Overlay, OverlayHeights, Stop, Tint, Vector,
 };
 use relievo_graph::{Graph, GraphBuilder, ImageNode, NodeIndex};
 use relievo_planet::{LevelKey, Planet};
 use relievo_project::{
     Adjust as ProjectAdjust, Blend, Layer, LayerId, LayerKind, NoiseMode, Project, Resampling,
-    Source, TintInterpolation,
+    Source, TintInterpolation, VectorLayer,
 };
 use relievo_raster::kernel::Kernel;
 use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
+use relievo_vector::Drawing;
 
 use crate::message::{Message, Severity};
 use crate::scene::{Detail, Roots, Scene};
 use crate::sources::{SourceState, Sources};
+use crate::vectors;
 
 /// Finest level of any source: 4.7 mm on Earth.
 const FINEST: u8 = 24;
@@ -263,7 +265,10 @@ impl Compiler<'_> {
     ) -> Option<NodeIndex> {
         let mut below: Option<NodeIndex> = None;
         for layer in &project.layers {
-            let is_colour = matches!(layer.kind, LayerKind::Imagery(_) | LayerKind::Tint(_));
+            let is_colour = matches!(
+                layer.kind,
+                LayerKind::Imagery(_) | LayerKind::Tint(_) | LayerKind::Vector(_)
+            );
             if !is_colour || !self.takes_part(layer) {
                 continue;
             }
@@ -339,10 +344,17 @@ impl Compiler<'_> {
                 let overlay = Overlay::new(blend_mode(tint.blend), opacity, false);
                 Some(self.add(layer, Arc::new(overlay), &[base, adjusted]))
             }
-            LayerKind::Height(_)
-            | LayerKind::Noise(_)
-            | LayerKind::Vector(_)
-            | LayerKind::Unknown { .. } => None,
+            LayerKind::Vector(vector) => {
+                let top = self.vector_node(layer, vector)?;
+                self.builder.cut(top, SampleType::Rgba8);
+                self.details.push(Detail {
+                    node: top,
+                    finest: level_of_step(vectors::FINEST_M / self.planet.radius_m),
+                });
+                let overlay = Overlay::new(BlendMode::Normal, opacity, false);
+                Some(self.add(layer, Arc::new(overlay), &[base, top]))
+            }
+            LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. } => None,
         }
     }
 
@@ -363,10 +375,34 @@ impl Compiler<'_> {
         self.add(layer, Arc::new(Adjust::new(&params)), &[top])
     }
 
+    /// A vector layer's features in its style; kept while neither changes.
+    fn vector_node(&mut self, layer: &Layer, vector: &VectorLayer) -> Option<NodeIndex> {
+        let SourceState::Features(open) = self.ready(layer)? else {
+            return None;
+        };
+        let features = Arc::clone(&open.features);
+        let style = vectors::style(&vector.style);
+        let address = Arc::as_ptr(&features).addr();
+        let planet = self.planet;
+        let name = format!("vector {address} {style:?} {planet:?}");
+        let node = self.nodes.get(&mut self.used, name, || {
+            Arc::new(Vector::new(Arc::new(Drawing::new(features, style, planet))))
+        });
+        Some(self.add(layer, node, &[]))
+    }
+
     /// The layer's open file; notes why there is none.
     fn open(&mut self, layer: &Layer) -> Option<Arc<dyn RasterFile>> {
+        match self.ready(layer)? {
+            SourceState::Open(file) => Some(file),
+            _ => None,
+        }
+    }
+
+    /// What the layer's file was opened as; notes why it is not.
+    fn ready(&mut self, layer: &Layer) -> Option<SourceState> {
         match self.sources.state(&layer.kind, self.folder)? {
-            SourceState::Open(file) => return Some(file),
+            open @ (SourceState::Open(_) | SourceState::Features(_)) => return Some(open),
             SourceState::Opening(_) => self
                 .left_out
                 .push((layer.id.clone(), "file is being opened")),

@@ -31,6 +31,7 @@ use self::tally::Tally;
 pub use self::tally::{Made, NodeReport};
 use crate::compile::{self, NodeCache};
 use crate::frame::{ClipKind, Frame};
+use crate::labels::LabelCache;
 use crate::message::{Message, Messages};
 use crate::query::Questions;
 use crate::residency::Stack;
@@ -52,6 +53,7 @@ pub struct Engine {
     folder: PathBuf,
     sources: Sources,
     nodes: NodeCache,
+    pub(crate) label_cache: LabelCache,
     tiles: Tiles,
     tally: Option<Tally>,
     messages: Messages,
@@ -117,6 +119,7 @@ impl Engine {
         let prefetch = asking::prefetch_for(options.memory);
         let sources = Sources::new(options.cache_folder, options.wake, options.watch)?;
         let nodes = NodeCache::default();
+        let label_cache = LabelCache::default();
         let empty = compile::compile(&Project::default(), folder, &sources, &nodes, None);
         let engine = Self {
             project,
@@ -124,6 +127,7 @@ impl Engine {
             folder: folder.to_owned(),
             sources,
             nodes,
+            label_cache,
             tiles: Tiles::new(tile_options)?,
             tally,
             messages: Messages::default(),

@@ -8,6 +8,7 @@ mod compile;
 pub mod engine;
 pub mod frame;
 pub mod histogram;
+mod labels;
 mod message;
 pub mod query;
 pub mod relink;
@@ -16,6 +17,7 @@ mod sampling;
 mod scene;
 mod sources;
 mod terrain;
+mod vectors;
 mod view;
 
 pub use bake::{Bake, BakeError, Output};
@@ -25,10 +27,12 @@ pub use engine::{
 };
 pub use engine::{Made, NodeReport};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
+pub use labels::PlacedLabel;
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};
 pub use sampling::Stage;
 pub use sources::{SourceState, Sources};
+pub use vectors::OpenFeatures;
 pub use view::View;
 
 /// Types of frames and views, for rooms that may depend on the engine only.
@@ -36,5 +40,5 @@ pub use view::View;
 // A front-end needs their types, and this is the only door.
 pub use {
     relievo_graph as graph, relievo_planet as planet, relievo_project as project,
-    relievo_raster as raster, relievo_tiles as tiles,
+    relievo_raster as raster, relievo_tiles as tiles, relievo_vector as vector,
 };

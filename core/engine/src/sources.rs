@@ -22,6 +22,8 @@ use relievo_raster::chunk_cache::ChunkCache;
 use relievo_raster::open::DEFAULT_CHUNK_CACHE_BYTES;
 use relievo_raster::{Bands, Cancel, RasterFile};
 
+use crate::vectors::OpenFeatures;
+
 use self::watch::{Attempt, Found, Step, Watch};
 
 /// Files that may wait to be opened; more wait for the next call of `require`.
@@ -46,6 +48,9 @@ pub enum SourceState {
     Opening(f32),
     /// Ready to read. Where the file changed on disk it stays so until the new one is open.
     Open(Arc<dyn RasterFile>),
+    /// Read: features of a vector layer. Where the file changed on disk it stays so until the new
+    /// one is read; companions of a Shapefile are read with it, and not looked at by themselves.
+    Features(Arc<OpenFeatures>),
     /// Cannot be opened, or is gone: one line that says why.
     Failed(String),
 }
@@ -66,9 +71,21 @@ pub(crate) enum News {
 #[derive(Clone)]
 struct Request {
     key: SourceKey,
-    source: Source,
-    bands: Option<Vec<u16>>,
-    stretch: Stretch,
+    what: What,
+}
+
+/// What a file is opened as.
+#[derive(Clone)]
+enum What {
+    Raster {
+        source: Source,
+        bands: Option<Vec<u16>>,
+        stretch: Stretch,
+    },
+    Vector {
+        layer: Option<String>,
+        crs: Option<String>,
+    },
 }
 
 /// A file that some layer names.
@@ -305,12 +322,12 @@ impl Shared {
             let mut state = self.state.lock();
             if let Some(slot) = state.files.get_mut(&request.key) {
                 slot.queued = false;
-                let shown = matches!(slot.state, SourceState::Open(_));
+                let shown = matches!(slot.state, SourceState::Open(_) | SourceState::Features(_));
                 attempt.patient = self.watching && shown;
                 if slot.watch.tried(attempt) {
                     let first = matches!(slot.state, SourceState::Opening(_));
                     slot.state = match opened {
-                        Ok(file) => SourceState::Open(file),
+                        Ok(open) => open,
                         Err(reason) => SourceState::Failed(reason),
                     };
                     let news = if first { News::Opened } else { News::Replaced };
@@ -381,6 +398,16 @@ impl Shared {
 
 /// The file of a layer and how it is read.
 fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
+    if let LayerKind::Vector(vector) = kind {
+        let (layer, crs) = (vector.source_layer.clone(), vector.crs.clone());
+        let key = SourceKey {
+            path: resolve_path(folder, &vector.path),
+            bands: Bands::Colour,
+            options: format!("vector {layer:?} {crs:?}"),
+        };
+        let what = What::Vector { layer, crs };
+        return Some(Request { key, what });
+    }
     let (source, bands, chosen, stretch) = match kind {
         LayerKind::Imagery(l) => (&l.source, Bands::Colour, l.bands.clone(), l.stretch),
         LayerKind::Height(l) => {
@@ -405,10 +432,10 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
             source.nodata, source.encoding, source.tile_rows
         ),
     };
-    Some(Request {
-        key,
+    let what = What::Raster {
         source: source.clone(),
         bands: chosen,
         stretch,
-    })
+    };
+    Some(Request { key, what })
 }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use relievo_project::{
     ClassMatch, PointSymbol, Symbol as ProjectSymbol, VectorStyle, Width, WidthUnit,
 };
-use relievo_vector::style::{By, Class, ClassOf, Colour, Hatch, Length, Style, Symbol, SymbolShape};
+use relievo_vector::style::{
+    By, Class, ClassOf, Colour, Hatch, Length, Style, Symbol, SymbolShape,
+};
 use relievo_vector::{Features, Summary, Value};
 
 /// Metres of a pixel on a map of scale 1 : 1, at 96 dots per inch.

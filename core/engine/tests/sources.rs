@@ -138,7 +138,7 @@ impl Scene {
             .state(&layer.kind, self.engine.folder())
         {
             Some(SourceState::Failed(reason)) => Some(reason),
-            Some(SourceState::Open(_)) => None,
+            Some(SourceState::Open(_) | SourceState::Features(_)) => None,
             Some(SourceState::Opening(_)) | None => panic!("{id} is neither open nor refused"),
         }
     }

@@ -64,7 +64,12 @@ fn memory() -> Arc<Memory> {
 /// A polygon around the antimeridian and a line, in pixels or metres.
 fn vector(width: Length) -> Arc<Vector> {
     let mut features = Builder::degrees();
-    let ring = [[150.0, -40.0], [-140.0, -30.0], [-150.0, 50.0], [160.0, 30.0]];
+    let ring = [
+        [150.0, -40.0],
+        [-140.0, -30.0],
+        [-150.0, 50.0],
+        [160.0, 30.0],
+    ];
     features.ring(ring, false).expect("a ring");
     features.feature().expect("few features");
     let line = [[-100.0, 80.0], [0.0, -20.0], [40.0, 45.0]];

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use crate::{HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Project, Source, store_path};
+use crate::{
+    HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Project, Source, VectorLayer,
+    VectorStyle, store_path,
+};
 
 /// What a file becomes in a new project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +14,8 @@ pub enum SourceRole {
     Imagery,
     /// A height layer.
     Height,
+    /// A vector layer.
+    Vector,
 }
 
 /// Why a project cannot be made from files.
@@ -75,6 +80,11 @@ pub fn layer_from_source(
     let kind = match role {
         SourceRole::Imagery => LayerKind::Imagery(ImageryLayer::new(source)),
         SourceRole::Height => LayerKind::Height(HeightLayer::new(source)),
+        SourceRole::Vector => {
+            let mut layer = VectorLayer::new(source.path);
+            layer.style = VectorStyle::visible();
+            LayerKind::Vector(Box::new(layer))
+        }
     };
     Ok(Layer::new(id, name_from_stem(&stem_of(file)), kind))
 }

@@ -85,6 +85,21 @@ impl Default for VectorStyle {
     }
 }
 
+impl VectorStyle {
+    /// What a new layer has: thin orange lines, areas lightly filled, discs at points, so that all
+    /// of it shows over imagery.
+    pub fn visible() -> Self {
+        Self {
+            fill: Some([0xff, 0x8c, 0x1a]),
+            fill_opacity: 0.3,
+            stroke: Some([0xe6, 0x5c, 0x00]),
+            stroke_width: Width::px(1.5),
+            point: Some(PointSymbol::default()),
+            ..Self::default()
+        }
+    }
+}
+
 /// A width on the ground or on the screen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Width {

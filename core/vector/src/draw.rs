@@ -172,7 +172,11 @@ impl Drawing {
     pub fn render(&self, grid: &Grid, out: &mut Block, cancel: &Cancel) -> Result<(), DrawError> {
         let rect = grid.rect;
         let size = (out.width() as i64, out.height() as i64);
-        assert_eq!(size, (rect.width(), rect.height()), "a sample for each place");
+        assert_eq!(
+            size,
+            (rect.width(), rect.height()),
+            "a sample for each place"
+        );
         assert_eq!(out.bands(), Bands::Colour, "colours");
         out.samples_mut().fill(0.0);
         let plane = Plane::new(&grid.lattice, self.planet).map_err(DrawError::Grid)?;
@@ -257,7 +261,12 @@ impl Drawing {
             reach_m,
             cancel,
         };
-        let looks = || self.looks.iter().zip(&by_look).filter(|(_, h)| !h.is_empty());
+        let looks = || {
+            self.looks
+                .iter()
+                .zip(&by_look)
+                .filter(|(_, h)| !h.is_empty())
+        };
         for (look, hits) in looks() {
             if let Some(colour) = look.fill {
                 painter.fill(hits, canvas)?;
@@ -348,7 +357,7 @@ impl Painter<'_> {
         mut draw: impl FnMut(&Window, Hit),
     ) -> Result<(), DrawError> {
         for (i, (window, hit)) in hits.iter().enumerate() {
-            if i % 256 == 0 && self.cancel.is_cancelled() {
+            if i.is_multiple_of(256) && self.cancel.is_cancelled() {
                 return Err(DrawError::Cancelled);
             }
             if wanted(self.drawing.features.part(hit.part).shape) {

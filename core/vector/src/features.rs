@@ -47,6 +47,13 @@ pub(crate) struct Part {
     pub(crate) bounds: Bounds,
 }
 
+impl Part {
+    /// Place of its first vertex among all features' vertices.
+    pub(crate) fn first_vertex(&self) -> usize {
+        self.first as usize
+    }
+}
+
 /// A feature.
 #[derive(Clone, Debug)]
 struct Feature {
@@ -65,7 +72,7 @@ struct Feature {
 pub struct Features {
     vertices: Vec<DVec2>,
     parts: Vec<Part>,
-    features: Vec<Feature>,
+    all: Vec<Feature>,
     columns: Vec<Arc<str>>,
     chunks: Vec<Bounds>,
     index: Index,
@@ -77,12 +84,12 @@ pub struct Features {
 impl Features {
     /// Number of features.
     pub fn len(&self) -> usize {
-        self.features.len()
+        self.all.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.features.is_empty()
+        self.all.is_empty()
     }
 
     /// Number of vertices of all features.
@@ -108,7 +115,7 @@ impl Features {
     /// Bytes that the features take in memory, without what the allocator adds.
     pub fn memory_bytes(&self) -> usize {
         let properties: usize = self
-            .features
+            .all
             .iter()
             .map(|f| {
                 let text: usize = f
@@ -121,7 +128,7 @@ impl Features {
             .sum();
         self.vertices.len() * size_of::<DVec2>()
             + self.parts.len() * size_of::<Part>()
-            + self.features.len() * size_of::<Feature>()
+            + self.all.len() * size_of::<Feature>()
             + self.chunks.len() * size_of::<Bounds>()
             + self.index.memory_bytes()
             + properties
@@ -140,7 +147,7 @@ impl Features {
 
     /// The value of a feature's property by the place of its name in [`Self::columns`].
     pub fn value(&self, feature: usize, column: usize) -> &Value {
-        let properties = &self.features[feature].properties;
+        let properties = &self.all[feature].properties;
         properties
             .iter()
             .find(|(c, _)| usize::from(*c) == column)
@@ -149,7 +156,7 @@ impl Features {
 
     /// A feature's properties in the file's order.
     pub fn properties(&self, feature: usize) -> impl Iterator<Item = (&str, &Value)> {
-        let properties = self.features[feature].properties.iter();
+        let properties = self.all[feature].properties.iter();
         properties.map(|(column, value)| (&*self.columns[usize::from(*column)], value))
     }
 
@@ -170,7 +177,7 @@ impl Features {
     }
 
     pub(crate) fn hash_of(&self, feature: usize) -> [u8; 16] {
-        self.features[feature].hash
+        self.all[feature].hash
     }
 
     pub(crate) fn part(&self, part: u32) -> &Part {
@@ -178,13 +185,8 @@ impl Features {
     }
 
     fn parts_of(&self, feature: usize) -> core::slice::Iter<'_, Part> {
-        let f = &self.features[feature];
+        let f = &self.all[feature];
         self.parts[f.first_part as usize..][..f.parts as usize].iter()
-    }
-
-    /// Place of a part's first vertex among all.
-    pub(crate) fn first_vertex(&self, part: &Part) -> usize {
-        part.first as usize
     }
 
     pub(crate) fn vertices_of(&self, part: &Part) -> &[DVec2] {

@@ -11,7 +11,9 @@
 pub mod draw;
 pub mod error;
 pub mod features;
+pub mod labels;
 pub mod open;
+pub mod places;
 pub mod style;
 pub mod value;
 pub mod write;

@@ -109,7 +109,8 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<(Features, Summary), V
     let io = |e: std::io::Error| Fault::from(e).of("vector", path);
     let length = std::fs::metadata(path).map_err(io)?.len();
     let Some(format) = format_of(path).map_err(io)? else {
-        let expected = "expected GeoJSON, a Shapefile, a GeoPackage or FlatGeobuf, found something else";
+        let expected =
+            "expected GeoJSON, a Shapefile, a GeoPackage or FlatGeobuf, found something else";
         return unsupported(expected).map_err(|e: Fault| e.of("vector", path));
     };
     let name = format.name();

@@ -105,12 +105,13 @@ fn whole(
             .tempfile_in(folder.unwrap_or(Path::new(".")))?;
         write(&mut file)?;
         file.as_file().sync_all()?;
-        file.persist(path).map_err(|e| Fault::Io(e.error.to_string()))?;
+        file.persist(path)
+            .map_err(|e| Fault::Io(e.error.to_string()))?;
         Ok(())
     };
     make().map_err(|fault| match fault {
         Fault::Damaged(reason) => Fault::Io(reason).of(format, path),
-        other => other.of(format, path),
+        other @ (Fault::Io(_) | Fault::Unsupported(_) | Fault::Cancelled) => other.of(format, path),
     })
 }
 

@@ -5,10 +5,10 @@ mod elsewhere;
 use std::path::PathBuf;
 
 use relievo_engine::Engine;
-use relievo_engine::SourceState;
 use relievo_engine::project::{Layer, LayerId, LayerKind, Project};
 use relievo_engine::raster::RasterInfo;
 use relievo_engine::raster::crs::Crs;
+use relievo_engine::{OpenFeatures, SourceState};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -150,7 +150,7 @@ fn of_layer(
             Severity::Warning,
             format!("{place}/kind"),
             format!(
-                "expected imagery, height, noise or tint, found {kind:?}: the layer has no effect"
+                "expected imagery, height, noise, tint or vector, found {kind:?}: the layer has no effect"
             ),
             "open the project with a newer Relievo, or remove the layer",
             Vec::new(),
@@ -185,9 +185,37 @@ fn of_layer(
                 );
             }
         }
+        Some(SourceState::Features(open)) => {
+            if let Some(what) = vector_trouble(layer, &open) {
+                tell(
+                    Severity::Warning,
+                    format!("{place}/style"),
+                    what,
+                    "name a property that the file has",
+                    Vec::new(),
+                );
+            }
+        }
         Some(SourceState::Opening(_)) | None => {}
     }
     unknown_fields(&place, layer.extra.keys(), Some(&layer.id), found);
+}
+
+/// What is odd about a style: it asks for a property that no feature has.
+fn vector_trouble(layer: &Layer, open: &OpenFeatures) -> Option<String> {
+    let LayerKind::Vector(vector) = &layer.kind else {
+        return None;
+    };
+    let style = &vector.style;
+    let by = style.by.as_ref().map(|by| &by.property);
+    let label = style.label.as_ref().map(|label| &label.property);
+    let known = |name: &&String| open.features.columns().iter().any(|c| **c == ***name);
+    let missing = by.into_iter().chain(label).find(|name| !known(name))?;
+    let columns: Vec<&str> = open.features.columns().iter().map(|c| &**c).collect();
+    Some(format!(
+        "expected a property of the features, found {missing:?}; there are {}",
+        columns.join(", ")
+    ))
 }
 
 /// What is odd about a source whose coordinate system belongs to another planet.

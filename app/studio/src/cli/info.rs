@@ -6,16 +6,17 @@ use relievo_engine::project::{self, Layer, Project};
 use relievo_engine::raster::crs::Crs;
 use relievo_engine::raster::open::{OpenOptions, open};
 use relievo_engine::raster::{Bands, RasterFile};
+use relievo_engine::vector::{self, Features, Shape, Summary, is_vector};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{Context, Failure};
 
-/// Print what a raster file or a project holds.
+/// Print what a raster file, a file of vectors or a project holds.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// A raster file (GeoTIFF, JPEG, PNG, WebP, OpenEXR, SRTM, ASCII grid), a set of tiles (a folder,
-    /// MBTiles, PMTiles), or a project.
+    /// MBTiles, PMTiles), vectors (GeoJSON, Shapefile, GeoPackage, FlatGeobuf), or a project.
     #[arg(value_name = "FILE|PROJECT")]
     file: PathBuf,
     /// Print JSON instead of lines.
@@ -64,6 +65,9 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     {
         let (project, _stamp) = project::open(&arguments.file).map_err(Failure::input)?;
         return of_project(arguments, &project, context);
+    }
+    if is_vector(&arguments.file) {
+        return of_vector(arguments, context);
     }
     let options = OpenOptions {
         make_pyramid: false,
@@ -168,6 +172,91 @@ fn of_raster(
     Ok(writeln!(out, "overviews    {overviews}")?)
 }
 
+/// Prints what a file of vectors holds.
+fn of_vector(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
+    let options = vector::OpenOptions {
+        cancel: context.cancel.clone(),
+        ..vector::OpenOptions::default()
+    };
+    let (features, summary) = vector::open(&arguments.file, &options).map_err(Failure::input)?;
+    let Summary {
+        format,
+        crs,
+        layers,
+        mut remarks,
+    } = summary;
+    if features.lost_vertices() > 0 {
+        remarks.push(format!(
+            "{} vertices lie nowhere on the planet and are left out",
+            features.lost_vertices()
+        ));
+    }
+    let shapes = shapes(&features);
+    let degrees = |v: f64| v.to_degrees();
+    let bounds = features
+        .bounds()
+        .map(|b| [b.min.x, b.min.y, b.max.x, b.max.y].map(degrees));
+    let columns: Vec<&str> = features.columns().iter().map(|c| &**c).collect();
+    if arguments.json {
+        let value = json!({
+            "file": arguments.file,
+            "format": format,
+            "crs": &*crs,
+            "layers": layers,
+            "features": features.len(),
+            "vertices": features.vertices(),
+            "points": shapes[0],
+            "lines": shapes[1],
+            "polygons": shapes[2],
+            "bounds_deg": bounds,
+            "properties": columns,
+            "remarks": remarks,
+        });
+        return print_json(&value, context);
+    }
+    let out = &mut context.out;
+    writeln!(out, "{}", arguments.file.display())?;
+    writeln!(out, "format       {format}")?;
+    if !layers.is_empty() {
+        writeln!(out, "tables       {}", layers.join(", "))?;
+    }
+    writeln!(out, "crs          {crs}")?;
+    writeln!(
+        out,
+        "features     {}: {} points, {} lines, {} polygons, {} vertices",
+        features.len(),
+        shapes[0],
+        shapes[1],
+        shapes[2],
+        features.vertices()
+    )?;
+    if let Some([west, south, east, north]) = bounds {
+        writeln!(
+            out,
+            "extent       west {west} south {south} east {east} north {north} degrees"
+        )?;
+    }
+    writeln!(out, "properties   {}", columns.join(", "))?;
+    for remark in remarks {
+        writeln!(out, "remark       {remark}")?;
+    }
+    Ok(())
+}
+
+/// Numbers of points, lines and polygons.
+fn shapes(features: &Features) -> [usize; 3] {
+    let mut counts = [0; 3];
+    for outline in (0..features.len()).flat_map(|f| features.outlines(f)) {
+        match outline.shape {
+            Shape::Points => counts[0] += outline.lonlat_rad.len(),
+            Shape::Line => counts[1] += 1,
+            Shape::Outer => counts[2] += 1,
+            Shape::Hole => {}
+        }
+    }
+    counts
+}
+
 fn extent(plane_from_pixel: &[f64; 6], width: u32, height: u32) -> Extent {
     let [x0, xx, xy, y0, yx, yy] = *plane_from_pixel;
     let (w, h) = (f64::from(width), f64::from(height));
@@ -227,8 +316,8 @@ fn of_project(
     for layer in project.layers.iter().rev() {
         let hidden = if layer.visible { "" } else { ", hidden" };
         let source = layer
-            .source()
-            .map(|s| format!(", {}", s.path))
+            .path()
+            .map(|path| format!(", {path}"))
             .unwrap_or_default();
         writeln!(
             out,
@@ -248,7 +337,7 @@ fn layer_json(layer: &Layer) -> Value {
         "kind": layer.kind.name(),
         "visible": layer.visible,
         "opacity": layer.opacity,
-        "path": layer.source().map(|s| &s.path),
+        "path": layer.path(),
     })
 }
 

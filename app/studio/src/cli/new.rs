@@ -10,15 +10,16 @@ use relievo_engine::project::{
 use relievo_engine::raster::crs::Crs;
 use relievo_engine::raster::open::{self, OpenOptions, open};
 use relievo_engine::raster::{Bands, RasterInfo};
+use relievo_engine::vector;
 use relievo_engine::{Engine, engine::folder_of};
 
 use super::cache::engine_options;
 use super::{Context, Failure, project};
 use crate::coverage::Coverage;
 
-/// Make a project from raster files.
+/// Make a project from raster files and files of vectors.
 ///
-/// The first file is the bottom layer. Files with one band of data become heights, others imagery;
+/// The first file is the bottom layer. Rasters with one band of data become heights, others imagery;
 /// the planet is that of the first file's coordinate system.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -26,7 +27,8 @@ pub(crate) struct Arguments {
     #[arg(value_name = "OUT.relievo")]
     output: PathBuf,
     /// A raster file with a georeference (GeoTIFF, JPEG, PNG, WebP, OpenEXR, SRTM, ASCII grid) or a
-    /// set of tiles (a folder zoom/column/row.png, MBTiles, PMTiles); may be repeated or hold several.
+    /// set of tiles (a folder zoom/column/row.png, MBTiles, PMTiles), or vectors (GeoJSON, Shapefile,
+    /// GeoPackage, FlatGeobuf); may be repeated or hold several.
     #[arg(long, required = true, num_args = 1.., value_name = "FILE|FOLDER")]
     source: Vec<PathBuf>,
     /// How colours of tiles mean heights, for all sets of tiles; by default as their metadata say,
@@ -59,6 +61,24 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let mut named = Project::default();
     for source in &arguments.source {
         let tiles = open::is_tile_set(source);
+        if vector::is_vector(source) {
+            let (seen, planet) = look_at_vector(source, context)?;
+            if frame.is_none() {
+                edits.extend(planet);
+            }
+            frame = match (frame, seen) {
+                (Some(frame), Some(seen)) => Some(frame.union(seen)),
+                (frame, seen) => frame.or(seen),
+            };
+            edits.push(add(
+                &mut named,
+                &folder,
+                source,
+                SourceRole::Vector,
+                |_| {},
+            )?);
+            continue;
+        }
         let (role, info) = look_at(source, tiles, arguments, context)?;
         let place = info.georeference.as_ref().map(|g| (Crs::parse(&g.crs), g));
         let Some((crs, georeference)) = place else {
@@ -72,22 +92,11 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         }
         let seen = Coverage::of(&crs, &georeference.plane_from_pixel, &info);
         frame = Some(frame.map_or(seen, |f| f.union(seen)));
-        let file = project::absolute(source)?;
-        let stem = file
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        let id = named.fresh_layer_id(&stem, |_| false);
-        let mut layer = layer_from_source(id, &folder, &file, role).map_err(Failure::input)?;
-        if tiles {
-            say_how_tiles_are_read(&mut layer.kind, arguments);
-        }
-        named.layers.push(layer.clone());
-        edits.push(Edit::AddLayer {
-            index: None,
-            layer: Box::new(layer),
-        });
+        edits.push(add(&mut named, &folder, source, role, |kind| {
+            if tiles {
+                say_how_tiles_are_read(kind, arguments);
+            }
+        })?);
     }
     if (arguments.encoding.is_some() || arguments.tile_rows.is_some())
         && !arguments.source.iter().any(|s| open::is_tile_set(s))
@@ -117,6 +126,44 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         .save(&output, Replace::Never)
         .map_err(Failure::input)?;
     Ok(())
+}
+
+/// The edit that adds a layer for a file, with an id that none in `named` has.
+fn add(
+    named: &mut Project,
+    folder: &Path,
+    source: &Path,
+    role: SourceRole,
+    change: impl FnOnce(&mut LayerKind),
+) -> Result<Edit, Failure> {
+    let file = project::absolute(source)?;
+    let stem = file
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let id = named.fresh_layer_id(&stem, |_| false);
+    let mut layer = layer_from_source(id, folder, &file, role).map_err(Failure::input)?;
+    change(&mut layer.kind);
+    named.layers.push(layer.clone());
+    Ok(Edit::AddLayer {
+        index: None,
+        layer: Box::new(layer),
+    })
+}
+
+/// What a file of vectors covers, and the edit that sets its planet.
+fn look_at_vector(
+    source: &Path,
+    context: &Context,
+) -> Result<(Option<Coverage>, Option<Edit>), Failure> {
+    let options = vector::OpenOptions {
+        cancel: context.cancel.clone(),
+        ..vector::OpenOptions::default()
+    };
+    let (features, summary) = vector::open(source, &options).map_err(Failure::input)?;
+    let planet = Crs::parse(&summary.crs).ok().and_then(|c| planet_of(&c));
+    Ok((Coverage::of_features(&features), planet))
 }
 
 /// What a file holds.

@@ -49,7 +49,7 @@ fn opened(engine: &Engine) -> f64 {
     let shares: Vec<f64> = states
         .map(|state| match state {
             SourceState::Opening(share) => f64::from(share),
-            SourceState::Open(_) | SourceState::Failed(_) => 1.0,
+            SourceState::Open(_) | SourceState::Features(_) | SourceState::Failed(_) => 1.0,
         })
         .collect();
     shares.iter().sum::<f64>() / shares.len().max(1) as f64

@@ -12,6 +12,7 @@ use relievo_engine::project::{Project, SourceRole};
 use relievo_engine::raster::Bands;
 use relievo_engine::raster::open::{OpenOptions, open};
 use relievo_engine::relink::{self, Link};
+use relievo_engine::vector::is_vector;
 use relievo_gpu::Picture;
 
 use crate::picture;
@@ -145,6 +146,9 @@ impl Inbox {
     pub(crate) fn look_at(&self, paths: Vec<PathBuf>) {
         self.work("relievo-look", move || {
             let look = |path: PathBuf| {
+                if is_vector(&path) {
+                    return (path, Ok(SourceRole::Vector));
+                }
                 let options = OpenOptions {
                     make_pyramid: false,
                     ..OpenOptions::default()

@@ -161,12 +161,12 @@ impl Inspector {
 
 /// What lies behind a layer.
 fn file(ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Action>) {
-    let Some(source) = layer.source() else { return };
+    let Some(path) = layer.path() else { return };
     let state = engine.sources().state(&layer.kind, engine.folder());
     ui.horizontal(|ui| {
         controls::name(ui, "File", false);
-        ui.add(egui::Label::new(&source.path).truncate())
-            .on_hover_text(&source.path);
+        ui.add(egui::Label::new(path).truncate())
+            .on_hover_text(path);
     });
     let text = match state {
         Some(SourceState::Open(file)) => {
@@ -180,6 +180,13 @@ fn file(ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Action>) 
                 size.width, size.height, info.sample_type
             )
         }
+        Some(SourceState::Features(open)) => format!(
+            "{} features, {} vertices, {}, {}",
+            open.features.len(),
+            open.features.vertices(),
+            open.summary.format,
+            open.summary.crs
+        ),
         Some(SourceState::Opening(share)) => format!("being opened, {:.0} %", share * 100.0),
         Some(SourceState::Failed(reason)) => {
             let text = RichText::new(format!("! {reason}"))

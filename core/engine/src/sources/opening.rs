@@ -3,15 +3,52 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use relievo_project::{Georeference, HeightEncoding, Stretch, TileRows};
+use relievo_project::{Georeference, HeightEncoding, Source, Stretch, TileRows};
 use relievo_raster::RasterFile;
 use relievo_raster::open::{self as raster_open, OpenOptions, open};
 
-use super::{Request, Shared};
+use relievo_vector as vector;
+
+use super::{Request, Shared, SourceState, What};
+use crate::vectors::OpenFeatures;
 
 impl Shared {
-    /// Opens a file, with a pyramid if it needs one; one line where that cannot be.
-    pub(super) fn open(self: &Arc<Self>, request: &Request) -> Result<Arc<dyn RasterFile>, String> {
+    /// Opens a file as its layer asks for it; one line where that cannot be.
+    pub(super) fn open(self: &Arc<Self>, request: &Request) -> Result<SourceState, String> {
+        match &request.what {
+            What::Raster {
+                source,
+                bands,
+                stretch,
+            } => {
+                let file = self.open_raster(request, source, bands.as_deref(), *stretch)?;
+                Ok(SourceState::Open(file))
+            }
+            What::Vector { layer, crs } => {
+                let options = vector::OpenOptions {
+                    crs: crs.as_deref().map(Arc::from),
+                    layer: layer.clone(),
+                    cancel: self.cancel.clone(),
+                    ..vector::OpenOptions::default()
+                };
+                let (features, summary) =
+                    vector::open(&request.key.path, &options).map_err(|e| e.to_string())?;
+                Ok(SourceState::Features(Arc::new(OpenFeatures {
+                    features: Arc::new(features),
+                    summary,
+                })))
+            }
+        }
+    }
+
+    /// Opens a raster, with a pyramid if it needs one.
+    fn open_raster(
+        self: &Arc<Self>,
+        request: &Request,
+        source: &Source,
+        bands: Option<&[u16]>,
+        stretch: Stretch,
+    ) -> Result<Arc<dyn RasterFile>, String> {
         let path = &request.key.path;
         let progress = {
             let (shared, key) = (Arc::clone(self), request.key.clone());
@@ -24,12 +61,9 @@ impl Shared {
             chunk_cache: Arc::clone(&self.chunks),
             as_bands: Some(request.key.bands),
             // People count bands from 1.
-            select: request
-                .bands
-                .as_ref()
-                .map(|b| b.iter().map(|n| n.saturating_sub(1)).collect()),
-            nodata: request.source.nodata,
-            stretch: match request.stretch {
+            select: bands.map(|b| b.iter().map(|n| n.saturating_sub(1)).collect()),
+            nodata: source.nodata,
+            stretch: match stretch {
                 Stretch::Auto => raster_open::Stretch::Auto,
                 Stretch::Full => raster_open::Stretch::Full,
                 Stretch::MinMax => raster_open::Stretch::MinMax,
@@ -39,17 +73,17 @@ impl Shared {
                     high: white,
                 },
             },
-            encoding: request.source.encoding.map(|e| match e {
+            encoding: source.encoding.map(|e| match e {
                 HeightEncoding::TerrainRgb => raster_open::HeightEncoding::TerrainRgb,
                 HeightEncoding::Terrarium => raster_open::HeightEncoding::Terrarium,
             }),
-            tile_rows: request.source.tile_rows.map(|r| match r {
+            tile_rows: source.tile_rows.map(|r| match r {
                 TileRows::Xyz => raster_open::TileRows::FromNorth,
                 TileRows::Tms => raster_open::TileRows::FromSouth,
             }),
             ..OpenOptions::default()
         };
-        if let Some(place) = &request.source.georeference {
+        if let Some(place) = &source.georeference {
             place_by(&mut options, place, path)?;
         }
         let file = open(path, &options).map_err(|e| e.to_string())?;

@@ -1,5 +1,7 @@
 //! One cell: a mask of coverage, and the colours that it has brought together.
 
+use core::ops::Range;
+
 use glam::DVec2;
 use relievo_planet::SampleRect;
 use relievo_raster::Block;
@@ -17,10 +19,21 @@ const GRAIN: f64 = 256.0;
 /// How far beyond the cell shapes are cut off, in samples.
 const PAD: f64 = 4.0;
 
+/// Samples of the mask along a side of a sample. tiny-skia tells four steps of coverage apart along
+/// an axis; twice as many keep thin lines even.
+const FINE: usize = 2;
+
+/// Coverage of a sample that is wholly covered.
+const FULL: u16 = (FINE * FINE * 255) as u16;
+
 /// A cell that is being drawn.
 pub(super) struct Canvas {
     mask: Mask,
     path: Path,
+    /// How much of each sample the mask covers, 0 to [`FULL`].
+    coverage: Vec<u16>,
+    /// Rows in which there is some.
+    rows: Range<usize>,
     /// Premultiplied, in linear light.
     planes: [Vec<f32>; 4],
 }
@@ -34,11 +47,13 @@ pub(super) struct Path {
 
 impl Canvas {
     pub(super) fn new() -> Self {
-        let side = CELL as u32;
+        let side = (FINE * CELL) as u32;
         let mask = Mask::new(side, side);
         Self {
             mask: mask.unwrap_or_else(|| unreachable!("a cell has a size")),
             path: Path::default(),
+            coverage: vec![0; CELL * CELL],
+            rows: 0..0,
             planes: core::array::from_fn(|_| vec![0.0; CELL * CELL]),
         }
     }
@@ -54,37 +69,64 @@ impl Canvas {
         &mut self.path
     }
 
-    /// Turns the shapes into the mask.
+    /// Turns the shapes into coverage.
     pub(super) fn fill(&mut self) {
-        self.mask.clear();
+        self.rows = 0..0;
         let builder = std::mem::take(&mut self.path.builder);
-        if let Some(path) = builder.finish() {
-            self.mask
-                .fill_path(&path, FillRule::Winding, true, Transform::identity());
+        let Some(path) = builder.finish() else {
+            return;
+        };
+        let bounds = path.bounds();
+        // A row more on each side: what touches an edge is rounded somewhere.
+        let first = (bounds.top() / FINE as f32 - 1.0).clamp(0.0, CELL as f32) as usize;
+        let last = (bounds.bottom() / FINE as f32 + 2.0).clamp(0.0, CELL as f32) as usize;
+        self.rows = first..last.max(first);
+        let line = FINE * CELL;
+        self.mask.data_mut()[first * FINE * line..self.rows.end * FINE * line].fill(0);
+        self.mask
+            .fill_path(&path, FillRule::Winding, true, Transform::identity());
+        for row in self.rows.clone() {
+            let fine = &self.mask.data()[row * FINE * line..(row + 1) * FINE * line];
+            let (above, below) = fine.split_at(line);
+            let samples = &mut self.coverage[row * CELL..(row + 1) * CELL];
+            let pairs = above.chunks_exact(FINE).zip(below.chunks_exact(FINE));
+            for (sample, (a, b)) in samples.iter_mut().zip(pairs) {
+                *sample = a.iter().chain(b).map(|v| u16::from(*v)).sum();
+            }
         }
     }
 
-    /// The mask's samples, row by row.
-    pub(super) fn mask_mut(&mut self) -> &mut [u8] {
-        self.mask.data_mut()
+    /// Multiplies the coverage of each covered sample, by its column and row, by 0 to 1.
+    pub(super) fn thin(&mut self, share: impl Fn(usize, usize) -> f64) {
+        for row in self.rows.clone() {
+            let samples = &mut self.coverage[row * CELL..(row + 1) * CELL];
+            for (column, sample) in samples.iter_mut().enumerate() {
+                if *sample > 0 {
+                    *sample = libm::round(f64::from(*sample) * share(column, row)) as u16;
+                }
+            }
+        }
     }
 
-    /// Puts a colour over what is there, where the mask is.
+    /// Puts a colour over what is there, where there is coverage.
     pub(super) fn blend(&mut self, colour: Colour, fade: f64) {
         let [r, g, b, a] = colour;
         let linear = [r, g, b].map(linear_from_srgb);
-        let alpha = a * fade as f32;
-        if !(alpha > 0.0) {
+        let alpha = (f64::from(a) * fade).min(1.0) as f32;
+        if alpha <= 0.0 || alpha.is_nan() {
             return;
         }
-        // Most masks have few different values.
-        let weights: [f32; 256] = core::array::from_fn(|m| alpha.min(1.0) * (m as f32 / 255.0));
         let [red, green, blue, alphas] = &mut self.planes;
-        for (i, m) in self.mask.data().iter().enumerate() {
-            if *m == 0 {
+        let range = self.rows.start * CELL..self.rows.end * CELL;
+        for (i, covered) in range.clone().zip(&self.coverage[range]) {
+            if *covered == 0 {
                 continue;
             }
-            let over = weights[usize::from(*m)];
+            let over = if *covered == FULL {
+                alpha
+            } else {
+                alpha * (f32::from(*covered) / f32::from(FULL))
+            };
             let under = 1.0 - over;
             red[i] = linear[0] * over + red[i] * under;
             green[i] = linear[1] * over + green[i] * under;
@@ -170,7 +212,7 @@ fn clip(points: &[DVec2], out: &mut Vec<DVec2>, inside: impl Fn(DVec2) -> f64) {
 fn trace(builder: &mut PathBuilder, points: &[DVec2]) {
     let mut before = None;
     for p in points {
-        let at = [p.x, p.y].map(|v| (libm::round(v * GRAIN) / GRAIN) as f32);
+        let at = [p.x, p.y].map(|v| (libm::round(v * GRAIN) * (FINE as f64 / GRAIN)) as f32);
         if before == Some(at) {
             continue;
         }

@@ -5,7 +5,7 @@ use relievo_planet::SampleRect;
 
 use core::f64::consts::FRAC_PI_2;
 
-use super::canvas::{CELL, Canvas};
+use super::canvas::Canvas;
 use super::plane::Plane;
 use crate::style::Hatch;
 
@@ -27,7 +27,6 @@ pub(super) fn pattern(
     let spacing_m = hatch.spacing.metres(sample_m);
     let width_m = hatch.width.metres(sample_m).min(spacing_m);
     if spacing_m <= 0.0 || width_m <= 0.0 {
-        canvas.mask_mut().fill(0);
         return 0.0;
     }
     let sets = if hatch.crossed { 2.0 } else { 1.0 };
@@ -47,11 +46,8 @@ pub(super) fn pattern(
         (t - libm::round(t)).abs() * spacing_m
     };
     let cover = |distance_m: f64| ((0.5 * drawn_m - distance_m) / sample_m + 0.5).clamp(0.0, 1.0);
-    for (i, m) in canvas.mask_mut().iter_mut().enumerate() {
-        if *m == 0 {
-            continue;
-        }
-        let sample = cell.min + I64Vec2::new((i % CELL) as i64, (i / CELL) as i64);
+    canvas.thin(|column, row| {
+        let sample = cell.min + I64Vec2::new(column as i64, row as i64);
         let place = if plane.is_map() {
             let p = plane.lattice().map_point(sample);
             DVec2::new(p.lon_rad, p.lat_rad())
@@ -62,7 +58,7 @@ pub(super) fn pattern(
         if hatch.crossed {
             covered = covered.max(cover(line(DVec2::new(sin, cos), place)));
         }
-        *m = libm::round(f64::from(*m) * covered) as u8;
-    }
+        covered
+    });
     width_m / drawn_m
 }

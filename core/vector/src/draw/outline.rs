@@ -17,11 +17,7 @@ const HALVINGS: u32 = 8;
 
 impl Painter<'_> {
     /// The mask of the insides of polygons, as one shape.
-    pub(super) fn fill(
-        &self,
-        hits: &[(usize, Hit)],
-        canvas: &mut Canvas,
-    ) -> Result<(), DrawError> {
+    pub(super) fn fill(&self, hits: &[(usize, Hit)], canvas: &mut Canvas) -> Result<(), DrawError> {
         let features = &self.drawing.features;
         let path = canvas.path();
         let mut outline = Vec::new();
@@ -55,7 +51,8 @@ impl Painter<'_> {
 
     /// The box of a window and some samples around it.
     pub(super) fn clip(&self, window: &Window, samples: f64) -> Bounds {
-        self.plane.grown(&window.bounds, samples * 2.0 * self.plane.sample_m)
+        self.plane
+            .grown(&window.bounds, samples * 2.0 * self.plane.sample_m)
     }
 
     /// What cannot be seen, in radians of longitude and latitude.
@@ -64,7 +61,10 @@ impl Painter<'_> {
             return self.plane.lattice().step.abs() * TOLERANCE;
         }
         // The finest that it can be in the box.
-        let metres = self.plane.planet.metres_per_radian(FRAC_PI_2 - clip.centre().y);
+        let metres = self
+            .plane
+            .planet
+            .metres_per_radian(FRAC_PI_2 - clip.centre().y);
         DVec2::splat(TOLERANCE * self.plane.sample_m / metres.max_element())
     }
 
@@ -93,7 +93,14 @@ impl Painter<'_> {
             return;
         };
         for v in outline.iter() {
-            bend(self.plane, window, before + turn, *v + turn, HALVINGS, samples);
+            bend(
+                self.plane,
+                window,
+                before + turn,
+                *v + turn,
+                HALVINGS,
+                samples,
+            );
             samples.extend(self.plane.sample(window, *v + turn));
             before = *v;
         }

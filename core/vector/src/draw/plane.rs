@@ -83,7 +83,10 @@ impl<'a> Plane<'a> {
             };
             return bounds.map(window).into_iter().collect();
         }
-        let (a, b) = (corner(rect.min.x, rect.min.y), corner(rect.max.x, rect.max.y));
+        let (a, b) = (
+            corner(rect.min.x, rect.min.y),
+            corner(rect.max.x, rect.max.y),
+        );
         let (low, high) = (a.min(b), a.max(b));
         // As they are, over the north pole, over the south pole.
         let ways = [(0.0, 1.0, 0.0), (0.0, -1.0, PI), (2.0 * PI, -1.0, PI)];
@@ -115,7 +118,11 @@ impl<'a> Plane<'a> {
         } else {
             self.planet.metres_per_radian(FRAC_PI_2 - highest).x
         };
-        let lon = if across * PI <= by_m { PI } else { by_m / across };
+        let lon = if across * PI <= by_m {
+            PI
+        } else {
+            by_m / across
+        };
         bounds.grow(DVec2::new(lon, lat))
     }
 
@@ -169,7 +176,10 @@ fn projected_bounds(
     rect: SampleRect,
     corner: impl Fn(i64, i64) -> DVec2,
 ) -> Option<Bounds> {
-    let (a, b) = (corner(rect.min.x, rect.min.y), corner(rect.max.x, rect.max.y));
+    let (a, b) = (
+        corner(rect.min.x, rect.min.y),
+        corner(rect.max.x, rect.max.y),
+    );
     let (low, high) = (a.min(b), a.max(b));
     let mut bounds: Option<Bounds> = None;
     let mut missing = false;

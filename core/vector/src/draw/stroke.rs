@@ -76,7 +76,7 @@ impl Painter<'_> {
             runs.clip = clip.turned(-hit.turns);
             runs.tolerance = self.tolerance(&runs.clip);
             runs.rings = part.shape != Shape::Line;
-            runs.lengths = lengths.map(|l| &l[features.first_vertex(part)..]);
+            runs.lengths = lengths.map(|l| &l[part.first_vertex()..]);
             runs.clear();
             features.walk(part, &mut runs);
             let turn = DVec2::new(f64::from(hit.turns) * TAU, 0.0);
@@ -114,28 +114,22 @@ impl Painter<'_> {
             period_m,
         })
     }
+}
 
-    /// Draws a closed polygon's outline in samples into the path.
-    pub(super) fn outline_of(
-        &self,
-        path: &mut Path,
-        polygon: &[DVec2],
-        scale: DVec2,
-        width_m: f64,
-    ) {
-        let mut stroker = Stroker {
-            half_m: 0.5 * width_m,
-            joins: true,
-            path,
-        };
-        let vertex = |at: &DVec2| Vertex {
-            at: *at,
-            scale,
-            along_m: 0.0,
-        };
-        let line: Vec<Vertex> = polygon.iter().chain(polygon.first()).map(vertex).collect();
-        stroker.line(&line);
-    }
+/// Adds a closed polygon's outline with a width, in samples of the cell, to the path.
+pub(super) fn outline_of(path: &mut Path, polygon: &[DVec2], scale: DVec2, width_m: f64) {
+    let mut stroker = Stroker {
+        half_m: 0.5 * width_m,
+        joins: true,
+        path,
+    };
+    let vertex = |at: &DVec2| Vertex {
+        at: *at,
+        scale,
+        along_m: 0.0,
+    };
+    let line: Vec<Vertex> = polygon.iter().chain(polygon.first()).map(vertex).collect();
+    stroker.line(&line);
 }
 
 /// Vertices that follow each other, in longitude and latitude, with metres along the line.
@@ -150,7 +144,7 @@ struct Runs<'a> {
     /// a polygon, not where it ends.
     rings: bool,
     lengths: Option<&'a [f64]>,
-    runs: Vec<Run>,
+    found: Vec<Run>,
     used: usize,
     /// Whether the next vertex begins a run.
     fresh: bool,
@@ -162,14 +156,14 @@ impl Runs<'_> {
     }
 
     fn all(&self) -> &[Run] {
-        &self.runs[..self.used]
+        &self.found[..self.used]
     }
 
     fn begin(&mut self, vertex: DVec2, along_m: f64) {
-        if self.used == self.runs.len() {
-            self.runs.push(Vec::new());
+        if self.used == self.found.len() {
+            self.found.push(Vec::new());
         }
-        let run = &mut self.runs[self.used];
+        let run = &mut self.found[self.used];
         run.clear();
         run.push((vertex, along_m));
         self.used += 1;
@@ -205,7 +199,7 @@ impl Walker for Runs<'_> {
             if self.rings && is_cut(kept, *v) {
                 self.begin(*v, along_m);
             } else {
-                self.runs[self.used - 1].push((*v, along_m));
+                self.found[self.used - 1].push((*v, along_m));
             }
             kept = *v;
         }

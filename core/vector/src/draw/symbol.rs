@@ -7,7 +7,7 @@ use core::f64::consts::{PI, TAU};
 use glam::{DVec2, I64Vec2};
 
 use super::canvas::Canvas;
-use super::stroke::circle;
+use super::stroke::{circle, outline_of};
 use super::{DrawError, Painter};
 use crate::features::{Hit, Shape};
 use crate::style::{Symbol, SymbolShape};
@@ -50,7 +50,7 @@ impl Painter<'_> {
         let path = canvas.path();
         for (at, scale) in points {
             let polygon = corners(symbol.shape, at, 0.5 * drawn_m * scale);
-            self.outline_of(path, &polygon, scale, stroke_m);
+            outline_of(path, &polygon, scale, stroke_m);
         }
         canvas.fill();
         Ok(fade * width_m / stroke_m)

@@ -99,10 +99,7 @@ fn segment(lon: f64, lat: f64, azimuth_deg: f64, length_m: f64) -> Vec<[f64; 2]>
     let per_rad = Planet::EARTH.metres_per_radian((90.0 - lat).to_radians());
     let (sin, cos) = azimuth_deg.to_radians().sin_cos();
     let d = DVec2::new(sin, cos) * length_m / per_rad;
-    vec![
-        [lon, lat],
-        [lon + d.x.to_degrees(), lat + d.y.to_degrees()],
-    ]
+    vec![[lon, lat], [lon + d.x.to_degrees(), lat + d.y.to_degrees()]]
 }
 
 #[test]
@@ -113,8 +110,10 @@ fn a_one_metre_line_has_its_width_in_every_direction_and_at_every_latitude() {
                 let mut b = Builder::degrees();
                 b.line(segment(lon, lat, azimuth, 6.0)).unwrap();
                 let drawing = drawing(b.finish().unwrap(), stroke(Length::Metres(1.0)));
-                let level = LevelKey::new(21, 20);
-                let grid = around(level, lon, lat, 1024.min((64.0 / lat.to_radians().cos()) as i64 + 192));
+                // About as wide as high on the ground.
+                let narrower = (-lat.to_radians().cos().log2()) as u8;
+                let level = LevelKey::new(21 - narrower, 20);
+                let grid = around(level, lon, lat, 512);
                 let covered = area_m2(&draw(&drawing, &grid), &grid);
                 // With its round ends.
                 let exact = 6.0 + PI / 4.0;
@@ -150,8 +149,11 @@ fn a_fill_covers_the_area_that_it_has_on_the_ground() {
     let ring = [[10.0, 60.0], [12.0, 60.2], [11.8, 61.0], [10.3, 60.8]];
     let mut b = Builder::degrees();
     b.ring(ring, false).unwrap();
-    b.ring([[10.8, 60.4], [11.2, 60.4], [11.2, 60.6], [10.8, 60.6]], true)
-        .unwrap();
+    b.ring(
+        [[10.8, 60.4], [11.2, 60.4], [11.2, 60.6], [10.8, 60.6]],
+        true,
+    )
+    .unwrap();
     let drawing = drawing(b.finish().unwrap(), fill(RED));
     let grid = around(LevelKey::new(8, 8), 11.0, 60.5, 800);
     let covered = area_m2(&draw(&drawing, &grid), &grid);
@@ -177,17 +179,26 @@ fn a_fill_covers_the_area_that_it_has_on_the_ground() {
             w * m.x * m.y * (1.2 / f64::from(steps)).to_radians()
         })
         .sum();
-    assert!((covered / exact - 1.0).abs() < 2e-3, "{covered} for {exact}");
+    assert!(
+        (covered / exact - 1.0).abs() < 2e-3,
+        "{covered} for {exact}"
+    );
 }
 
 /// A mix of everything in a few degrees around a place.
 fn mix(lon: f64, lat: f64) -> Features {
     let mut b = Builder::degrees();
     let p = |x: f64, y: f64| [lon + x, lat + y];
-    b.ring([p(-1.5, -1.0), p(1.0, -1.2), p(1.3, 0.9), p(-1.1, 1.1)], false)
-        .unwrap();
-    b.ring([p(-0.4, -0.3), p(-0.4, 0.3), p(0.3, 0.2), p(0.4, -0.4)], true)
-        .unwrap();
+    b.ring(
+        [p(-1.5, -1.0), p(1.0, -1.2), p(1.3, 0.9), p(-1.1, 1.1)],
+        false,
+    )
+    .unwrap();
+    b.ring(
+        [p(-0.4, -0.3), p(-0.4, 0.3), p(0.3, 0.2), p(0.4, -0.4)],
+        true,
+    )
+    .unwrap();
     b.property("kind", Value::Int(1)).unwrap();
     b.feature().unwrap();
     b.line((0..300).map(|i| {
@@ -202,7 +213,7 @@ fn mix(lon: f64, lat: f64) -> Features {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
     fn a_whole_equals_its_tiles(
@@ -249,11 +260,14 @@ fn columns_wrap_and_rows_come_back_over_the_pole() {
     let size = level.samples();
     let here = draw(
         &drawing,
-        &Grid::new(Arc::clone(&lattice), SampleRect::at(size.x - 40, 0, 80, 30)),
+        &Grid::new(
+            Arc::clone(&lattice),
+            SampleRect::at(size.x - 40, 0, 80, 120),
+        ),
     );
     let there = draw(
         &drawing,
-        &Grid::new(Arc::clone(&lattice), SampleRect::at(-40, 0, 80, 30)),
+        &Grid::new(Arc::clone(&lattice), SampleRect::at(-40, 0, 80, 120)),
     );
     assert_eq!(here, there);
     assert!(here.plane(3).iter().any(|a| *a > 0.0));
@@ -261,17 +275,17 @@ fn columns_wrap_and_rows_come_back_over_the_pole() {
     // symmetric in its last steps.
     let above = draw(
         &drawing,
-        &Grid::new(lattice, SampleRect::at(size.x / 2 - 40, -30, 80, 30)),
+        &Grid::new(lattice, SampleRect::at(size.x / 2 - 40, -120, 80, 120)),
     );
     let mut differ = 0;
-    for row in 0..30 {
+    for row in 0..120 {
         for column in 0..80 {
             let a = here.plane(3)[row * 80 + column];
-            let b = above.plane(3)[(29 - row) * 80 + column];
+            let b = above.plane(3)[(119 - row) * 80 + column];
             differ += usize::from((a - b).abs() > 0.3);
         }
     }
-    assert!(differ < 10, "{differ} samples differ");
+    assert!(differ < 60, "{differ} samples differ");
 }
 
 #[test]
@@ -279,13 +293,25 @@ fn neighbours_of_one_class_leave_no_seam() {
     let mut b = Builder::degrees();
     for i in 0..40 {
         let x = f64::from(i) * 0.0371;
-        b.ring([[x, 0.0], [x + 0.0371, 0.0], [x + 0.0471, 1.0], [x + 0.01, 1.0]], false)
-            .unwrap();
+        b.ring(
+            [
+                [x, 0.0],
+                [x + 0.0371, 0.0],
+                [x + 0.0471, 1.0],
+                [x + 0.01, 1.0],
+            ],
+            false,
+        )
+        .unwrap();
         b.feature().unwrap();
     }
     let drawing = drawing(b.finish().unwrap(), fill(RED));
     let grid = around(LevelKey::new(9, 8), 0.7, 0.5, 100);
-    assert!(draw(&drawing, &grid).plane(3)[40 * 100 + 10..40 * 100 + 90].iter().all(|a| *a == 1.0));
+    assert!(
+        draw(&drawing, &grid).plane(3)[40 * 100 + 10..40 * 100 + 90]
+            .iter()
+            .all(|a| *a == 1.0)
+    );
 }
 
 #[test]
@@ -304,7 +330,11 @@ fn names_change_with_what_reaches_and_with_nothing_else() {
     let far = around(level, 90.5, 0.5, 64);
     assert_eq!(a.fingerprint(&near), b.fingerprint(&near));
     assert_ne!(a.fingerprint(&far), b.fingerprint(&far));
-    let wider = Drawing::new(Arc::clone(a.features()), stroke(Length::Pixels(2.0)), Planet::EARTH);
+    let wider = Drawing::new(
+        Arc::clone(a.features()),
+        stroke(Length::Pixels(2.0)),
+        Planet::EARTH,
+    );
     assert_ne!(a.fingerprint(&near), wider.fingerprint(&near));
 }
 
@@ -345,7 +375,11 @@ fn classes_by_value_and_range_have_their_colours() {
         ..fill(RED)
     };
     let drawing = drawing(b.finish().unwrap(), style);
-    for (lon, expected) in [(0.5, [0.0, 1.0, 0.0]), (1.5, [0.0, 0.0, 1.0]), (2.5, [1.0, 0.0, 0.0])] {
+    for (lon, expected) in [
+        (0.5, [0.0, 1.0, 0.0]),
+        (1.5, [0.0, 0.0, 1.0]),
+        (2.5, [1.0, 0.0, 0.0]),
+    ] {
         let block = draw(&drawing, &around(LevelKey::new(10, 9), lon, 0.5, 1));
         for (plane, v) in expected.into_iter().enumerate() {
             assert!((block.plane(plane)[0] - v).abs() < 1e-4, "{lon}");
@@ -359,17 +393,22 @@ fn dashes_have_their_length_and_go_on_from_tile_to_tile() {
     b.line(segment(8.0, 47.0, 90.0, 1000.0)).unwrap();
     let style = Style {
         dash: vec![30.0, 20.0],
-        ..stroke(Length::Metres(10.0))
+        ..stroke(Length::Metres(40.0))
     };
     let drawing = drawing(b.finish().unwrap(), style);
     let grid = around(LevelKey::new(15, 14), 8.0066, 47.0, 1000);
     let covered = area_m2(&draw(&drawing, &grid), &grid);
-    assert!((covered / 6000.0 - 1.0).abs() < 0.02, "{covered}");
+    assert!((covered / 24_000.0 - 1.0).abs() < 0.02, "{covered}");
 }
 
 #[test]
 fn a_projected_grid_shows_the_same_areas() {
-    let ring = [[-111.7, 40.2], [-111.6, 40.21], [-111.61, 40.3], [-111.72, 40.28]];
+    let ring = [
+        [-111.7, 40.2],
+        [-111.6, 40.21],
+        [-111.61, 40.3],
+        [-111.72, 40.28],
+    ];
     let mut b = Builder::degrees();
     b.ring(ring, false).unwrap();
     let drawing = drawing(b.finish().unwrap(), fill(RED));
@@ -380,20 +419,35 @@ fn a_projected_grid_shows_the_same_areas() {
         columns_around: None,
     };
     let projected = Grid::new(Arc::new(utm), SampleRect::at(0, 0, 900, 800));
-    let alphas: f64 = draw(&drawing, &projected).plane(3).iter().map(|a| f64::from(*a)).sum();
+    let alphas: f64 = draw(&drawing, &projected)
+        .plane(3)
+        .iter()
+        .map(|a| f64::from(*a))
+        .sum();
     let map = around(LevelKey::new(12, 11), -111.66, 40.25, 900);
     let on_map = area_m2(&draw(&drawing, &map), &map);
     // UTM shortens by 0.9996 at its middle meridian.
-    assert!((alphas * 900.0 / on_map - 0.9992).abs() < 1e-3, "{} {on_map}", alphas * 900.0);
+    assert!(
+        (alphas * 900.0 / on_map - 0.9992).abs() < 1e-3,
+        "{} {on_map}",
+        alphas * 900.0
+    );
 }
 
 #[test]
 fn absurd_widths_and_coordinates_draw_something_or_nothing_but_end() {
     let mut b = Builder::degrees();
-    b.line([[-36_000.0, -90.0], [36_000.0, 90.0], [1e-300, 0.0], [0.0, 0.0]])
+    b.line([
+        [-36_000.0, -90.0],
+        [36_000.0, 90.0],
+        [1e-300, 0.0],
+        [0.0, 0.0],
+    ])
+    .unwrap();
+    b.ring([[0.0, 90.0], [120.0, 90.0], [240.0, 90.0]], false)
         .unwrap();
-    b.ring([[0.0, 90.0], [120.0, 90.0], [240.0, 90.0]], false).unwrap();
-    b.ring([[0.0, 0.0], [1e-15, 0.0], [0.0, 1e-15], [0.0, 0.0]], false).unwrap();
+    b.ring([[0.0, 0.0], [1e-15, 0.0], [0.0, 1e-15], [0.0, 0.0]], false)
+        .unwrap();
     let features = Arc::new(b.finish().unwrap());
     for length in [0.0, f64::NAN, -1.0, 1e-300, 1e300, f64::INFINITY] {
         for unit in [Length::Metres, Length::Pixels] {

@@ -1,6 +1,6 @@
 //! Making features, vertex by vertex, as readers meet them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use core::f64::consts::{PI, TAU};
@@ -58,7 +58,7 @@ pub struct Builder {
     features: Features,
     boxes: Vec<Bounds>,
     columns: HashMap<Arc<str>, u16>,
-    texts: HashMap<Arc<str>, ()>,
+    texts: HashSet<Arc<str>>,
     text_bytes: usize,
     properties: Vec<(u16, Value)>,
     first_part: usize,
@@ -87,7 +87,7 @@ impl Builder {
             features: Features {
                 vertices: Vec::new(),
                 parts: Vec::new(),
-                features: Vec::new(),
+                all: Vec::new(),
                 columns: Vec::new(),
                 chunks: Vec::new(),
                 index: Index::default(),
@@ -96,7 +96,7 @@ impl Builder {
             },
             boxes: Vec::new(),
             columns: HashMap::new(),
-            texts: HashMap::new(),
+            texts: HashSet::new(),
             text_bytes: 0,
             properties: Vec::new(),
             first_part: 0,
@@ -169,19 +169,19 @@ impl Builder {
         };
         let value = match value {
             Value::Text(text) => Value::Text(self.intern(text)?),
-            other => other,
+            other @ (Value::Null | Value::Bool(_) | Value::Int(_) | Value::Float(_)) => other,
         };
         self.properties.push((column, value));
         Ok(())
     }
 
     fn intern(&mut self, text: Arc<str>) -> Result<Arc<str>, Fault> {
-        if let Some((known, ())) = self.texts.get_key_value(&text) {
+        if let Some(known) = self.texts.get(&text) {
             return Ok(Arc::clone(known));
         }
         self.spend_text(text.len())?;
         if text.len() <= INTERNED {
-            self.texts.insert(Arc::clone(&text), ());
+            self.texts.insert(Arc::clone(&text));
         }
         Ok(text)
     }
@@ -199,13 +199,13 @@ impl Builder {
     }
 
     pub(crate) fn end_feature(&mut self) -> Result<(), Fault> {
-        if self.features.features.len() >= self.limits.features {
+        if self.features.all.len() >= self.limits.features {
             return unsupported(format!(
                 "expected at most {} features, found more",
                 self.limits.features
             ));
         }
-        if self.features.features.len() % 256 == 0 && self.cancel.is_cancelled() {
+        if self.features.all.len().is_multiple_of(256) && self.cancel.is_cancelled() {
             return Err(Fault::Cancelled);
         }
         let parts = &self.features.parts[self.first_part..];
@@ -228,7 +228,7 @@ impl Builder {
         }
         let mut hash = [0; 16];
         hash.copy_from_slice(&full.as_bytes()[..16]);
-        self.features.features.push(Feature {
+        self.features.all.push(Feature {
             first_part: self.first_part as u32,
             parts: parts.len() as u32,
             hash,
@@ -255,7 +255,7 @@ impl Builder {
                     self.limits.vertices
                 ));
             }
-            if i % 4096 == 0 && self.cancel.is_cancelled() {
+            if i.is_multiple_of(4096) && self.cancel.is_cancelled() {
                 return Err(Fault::Cancelled);
             }
             match self.place(x, y) {
@@ -307,20 +307,23 @@ impl Builder {
             -1 => bounds.min.y = -core::f64::consts::FRAC_PI_2,
             _ => {}
         }
-        let all = &mut self.features;
-        let first = all.vertices.len();
+        let features = &mut self.features;
+        let first = features.vertices.len();
         let by = f64::from(turns as i32) * TAU;
-        all.vertices
+        features
+            .vertices
             .extend(vertices.iter().map(|v| DVec2::new(v.x + by, v.y)));
-        let Ok(feature) = u32::try_from(all.features.len()) else {
+        let Ok(feature) = u32::try_from(features.all.len()) else {
             return unsupported("expected fewer features");
         };
-        if u32::try_from(all.vertices.len()).is_err() || u32::try_from(all.parts.len()).is_err() {
+        if u32::try_from(features.vertices.len()).is_err()
+            || u32::try_from(features.parts.len()).is_err()
+        {
             return unsupported("expected fewer than 2³² vertices, found more");
         }
-        let at = all.chunks.len() as u32;
-        chunks::append(&all.vertices[first..], &mut all.chunks);
-        all.parts.push(Part {
+        let at = features.chunks.len() as u32;
+        chunks::append(&features.vertices[first..], &mut features.chunks);
+        features.parts.push(Part {
             shape,
             pole,
             feature,
@@ -335,13 +338,11 @@ impl Builder {
 
     /// Longitude and latitude of coordinates; `None` where there is no such place.
     fn place(&self, x: f64, y: f64) -> Option<DVec2> {
-        match &self.crs {
-            Some(crs) => crs.to_lonlat(x, y).ok().map(DVec2::from),
-            None => {
-                let fine = x.abs() <= 36_000.0 && y.abs() <= 90.0 + 1e-6;
-                fine.then(|| DVec2::new(x.to_radians(), y.clamp(-90.0, 90.0).to_radians()))
-            }
+        if let Some(crs) = &self.crs {
+            return crs.to_lonlat(x, y).ok().map(DVec2::from);
         }
+        let fine = x.abs() <= 36_000.0 && y.abs() <= 90.0 + 1e-6;
+        fine.then(|| DVec2::new(x.to_radians(), y.clamp(-90.0, 90.0).to_radians()))
     }
 
     /// Whether a ring that goes around the globe encloses the north pole, as its own plane shows it.
@@ -353,8 +354,7 @@ impl Builder {
             let mut odd = false;
             for (i, a) in raw.iter().enumerate() {
                 let b = raw[(i + 1) % raw.len()];
-                if (a.y > p.y) != (b.y > p.y)
-                    && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x
+                if (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x
                 {
                     odd = !odd;
                 }

@@ -21,11 +21,10 @@ impl Features {
             return hits;
         };
         for turns in all.turns_onto(wanted) {
-            self.index
-                .overlapping(&wanted.turned(-turns), &mut |part| {
-                    hits.push(Hit { part, turns });
-                    true
-                });
+            self.index.overlapping(&wanted.turned(-turns), &mut |part| {
+                hits.push(Hit { part, turns });
+                true
+            });
         }
         hits.sort_unstable();
         hits
@@ -111,9 +110,7 @@ impl Walker for Edges {
         self.touched = if self.points || vertices.len() < 2 {
             vertices.iter().any(inside)
         } else {
-            vertices
-                .windows(2)
-                .any(|e| self.wanted.touches(e[0], e[1]))
+            vertices.windows(2).any(|e| self.wanted.touches(e[0], e[1]))
         };
         !self.touched
     }

@@ -79,7 +79,11 @@ fn the_corners_of_a_map_of_the_world_do_not_wrap() {
 #[test]
 fn places_in_a_polar_projection_enclose_the_pole_that_they_do_there() {
     let crs = relievo_raster::crs::Crs::parse("EPSG:3031").unwrap();
-    let mut b = Builder::new(Some(crs), Limits::default(), relievo_raster::Cancel::default());
+    let mut b = Builder::new(
+        Some(crs),
+        Limits::default(),
+        relievo_raster::Cancel::default(),
+    );
     let r = 1e7;
     // Reaches beyond the equator: only the plane knows which side is inside.
     b.ring([[r, r], [-r, r], [-r, -r], [r, -r]], false).unwrap();
@@ -198,5 +202,9 @@ proptest! {
 fn a_part_that_encloses_a_pole_is_bounded_by_it() {
     let features = polygon(&[&[[0.0, 60.0], [120.0, 60.0], [-120.0, 60.0]]]);
     let bounds = features.bounds().unwrap();
-    assert!(bounds.max.y >= FRAC_PI_2 && bounds.size().x >= TAU - 1e-12 && bounds.centre().x.abs() <= PI);
+    assert!(
+        bounds.max.y >= FRAC_PI_2
+            && bounds.size().x >= TAU - 1e-12
+            && bounds.centre().x.abs() <= PI
+    );
 }

@@ -62,7 +62,10 @@ pub(crate) fn read(path: &Path, options: &OpenOptions) -> Result<(Features, Summ
 }
 
 /// By value, as `map_err` hands it over.
-#[expect(clippy::needless_pass_by_value, reason = "the shape that map_err asks for")]
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "the shape that map_err asks for"
+)]
 fn library(error: flatgeobuf::Error) -> Fault {
     Fault::Damaged(error.to_string())
 }
@@ -139,9 +142,7 @@ impl PropertyProcessor for Properties<'_> {
             ColumnValue::Int(v) => Value::Int(i64::from(*v)),
             ColumnValue::UInt(v) => Value::Int(i64::from(*v)),
             ColumnValue::Long(v) => Value::Int(*v),
-            ColumnValue::ULong(v) => {
-                i64::try_from(*v).map_or(Value::Float(*v as f64), Value::Int)
-            }
+            ColumnValue::ULong(v) => i64::try_from(*v).map_or(Value::Float(*v as f64), Value::Int),
             ColumnValue::Float(v) => Value::Float(f64::from(*v)),
             ColumnValue::Double(v) => Value::Float(*v),
             ColumnValue::String(v) | ColumnValue::Json(v) | ColumnValue::DateTime(v) => {
@@ -183,10 +184,9 @@ fn add(
         Ok(())
     };
     match kind {
-        GeometryType::Point | GeometryType::MultiPoint => builder.add(
-            Shape::Points,
-            pieces(geometry)?.into_iter().flatten(),
-        ),
+        GeometryType::Point | GeometryType::MultiPoint => {
+            builder.add(Shape::Points, pieces(geometry)?.into_iter().flatten())
+        }
         GeometryType::LineString | GeometryType::MultiLineString => pieces(geometry)?
             .into_iter()
             .try_for_each(|line| builder.add(Shape::Line, line)),

@@ -98,7 +98,7 @@ fn named(crs: &Json) -> Result<String, Fault> {
     // urn:ogc:def:crs:EPSG::26912, EPSG:26912, http://www.opengis.net/def/crs/EPSG/0/26912
     let mut words = name.split([':', '/']).filter(|w| !w.is_empty());
     let authority = words.find(|w| matches!(*w, "EPSG" | "ESRI" | "epsg" | "esri"));
-    let code = words.last();
+    let code = words.next_back();
     match (authority, code) {
         (Some(authority), Some(code)) => Ok(format!("{}:{code}", authority.to_uppercase())),
         _ => Ok(name.to_owned()),

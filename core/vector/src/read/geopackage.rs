@@ -54,7 +54,12 @@ fn uri(path: &Path) -> std::io::Result<String> {
             b'\\' if cfg!(windows) => uri.push('/'),
             b'/' | b'.' | b'-' | b'_' | b'~' | b':' => uri.push(char::from(*byte)),
             byte if byte.is_ascii_alphanumeric() => uri.push(char::from(*byte)),
-            byte => uri.push_str(&format!("%{byte:02X}")),
+            byte => {
+                let digits = b"0123456789ABCDEF";
+                uri.push('%');
+                uri.push(char::from(digits[usize::from(byte >> 4)]));
+                uri.push(char::from(digits[usize::from(byte & 15)]));
+            }
         }
     }
     uri.push_str("?immutable=1");
@@ -173,7 +178,9 @@ impl Package {
                    FROM gpkg_spatial_ref_sys WHERE srs_id = ?1";
         let found: Option<(String, i64, String)> = self
             .connection
-            .query_row(sql, [srs], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
+            .query_row(sql, [srs], |row| {
+                Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+            })
             .optional()
             .map_err(|e| fault(&e))?;
         let Some((organization, code, definition)) = found else {
@@ -192,11 +199,7 @@ impl Package {
         self.refill();
         let sql = format!("SELECT * FROM {}", quoted(&table.name));
         let mut statement = self.connection.prepare(&sql).map_err(|e| fault(&e))?;
-        let names: Vec<String> = statement
-            .column_names()
-            .into_iter()
-            .map(str::to_owned)
-            .collect();
+        let names: Vec<String> = statement.column_names().map(str::to_owned).collect();
         let Some(geometry) = names.iter().position(|n| *n == table.column) else {
             return damaged(format!(
                 "expected a column {:?} in table {:?}, found none",
@@ -251,7 +254,11 @@ fn add_geometry(builder: &mut Builder, blob: &[u8]) -> Result<(), Fault> {
         1 => 32,
         2 | 3 => 48,
         4 => 64,
-        other => return damaged(format!("expected an envelope of kind 0 to 4, found {other}")),
+        other => {
+            return damaged(format!(
+                "expected an envelope of kind 0 to 4, found {other}"
+            ));
+        }
     };
     if flags & 0x10 != 0 {
         // Empty.

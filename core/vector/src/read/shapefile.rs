@@ -93,7 +93,9 @@ fn check(path: &Path) -> Result<(), Fault> {
     while at < claimed {
         file.seek(SeekFrom::Start(at))?;
         if at + 12 > claimed {
-            return damaged(format!("expected a record at byte {at}, found the file's end"));
+            return damaged(format!(
+                "expected a record at byte {at}, found the file's end"
+            ));
         }
         file.read_exact(&mut head)?;
         let content = 2 * u64::from(u32::from_be_bytes([head[4], head[5], head[6], head[7]]));
@@ -199,9 +201,7 @@ fn add(builder: &mut Builder, record: &Record) -> Result<(), Fault> {
                     }
                     Patch::InnerRing(ring) => builder.add(Shape::Hole, pairs!(ring))?,
                     Patch::TriangleStrip(_) | Patch::TriangleFan(_) => {
-                        return unsupported(
-                            "expected rings in a multipatch, found triangles",
-                        );
+                        return unsupported("expected rings in a multipatch, found triangles");
                     }
                 }
             }

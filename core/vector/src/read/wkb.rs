@@ -64,7 +64,10 @@ impl<'a> Reader<'a> {
             1 => {
                 let xy = self.positions(1, dimensions, little)?;
                 // An empty point has NaN coordinates.
-                builder.add(Shape::Points, xy.filter(|[x, y]| !(x.is_nan() || y.is_nan())))
+                builder.add(
+                    Shape::Points,
+                    xy.filter(|[x, y]| !(x.is_nan() || y.is_nan())),
+                )
             }
             2 => {
                 let count = self.u32(little)?;

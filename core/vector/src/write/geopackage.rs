@@ -66,15 +66,21 @@ fn write(
     connection.execute_batch(SCHEMA)?;
     let has_heights = features.iter().any(|f| f.geometry.has_heights());
     let columns = columns(features);
-    let definitions: String = columns
+    let definitions: Vec<String> = columns
         .iter()
         .map(|(_, column, kind)| format!(", {} {kind}", quoted(column)))
         .collect();
+    let definitions = definitions.concat();
     connection.execute_batch(&format!(
         "CREATE TABLE {} ({KEY} INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, {GEOMETRY} GEOMETRY{definitions});",
         quoted(table)
     ))?;
-    let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    let mut bounds = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
     for p in features.iter().flat_map(|f| f.geometry.positions()) {
         bounds = [
             bounds[0].min(p.lon_deg),
@@ -93,14 +99,15 @@ fn write(
         "INSERT INTO gpkg_geometry_columns VALUES (?1, ?2, 'GEOMETRY', 4326, ?3, 0)",
         (table, GEOMETRY, if has_heights { 2 } else { 0 }),
     )?;
-    let places: String = (0..columns.len()).map(|i| format!(", ?{}", i + 2)).collect();
-    let names: String = columns
+    let places = ", ?".repeat(columns.len());
+    let names: Vec<String> = columns
         .iter()
         .map(|(_, column, _)| format!(", {}", quoted(column)))
         .collect();
+    let names = names.concat();
     connection.execute_batch("BEGIN")?;
     let mut statement = connection.prepare(&format!(
-        "INSERT INTO {} ({GEOMETRY}{names}) VALUES (?1{places})",
+        "INSERT INTO {} ({GEOMETRY}{names}) VALUES (?{places})",
         quoted(table)
     ))?;
     for feature in features {
@@ -131,7 +138,11 @@ fn columns(features: &[Feature]) -> Vec<(String, String, &'static str)> {
         if let Some((_, _, known)) = columns.iter_mut().find(|(known, _, _)| known == name) {
             if *known != kind {
                 let numbers = |k: &str| matches!(k, "INTEGER" | "REAL");
-                *known = if numbers(known) && numbers(kind) { "REAL" } else { "TEXT" };
+                *known = if numbers(known) && numbers(kind) {
+                    "REAL"
+                } else {
+                    "TEXT"
+                };
             }
             continue;
         }
@@ -171,27 +182,36 @@ fn blob(geometry: &Geometry) -> Vec<u8> {
     };
     out.bytes.extend(4326_i32.to_le_bytes());
     match geometry {
-        Geometry::Points(points) => match &points[..] {
-            [only] => out.point(only),
-            _ => {
+        Geometry::Points(points) => {
+            if let [only] = &points[..] {
+                out.point(only);
+            } else {
                 out.head(4, points.len());
-                points.iter().for_each(|p| out.point(p));
+                for p in points {
+                    out.point(p);
+                }
             }
-        },
-        Geometry::Lines(lines) => match &lines[..] {
-            [only] => out.line(only),
-            _ => {
+        }
+        Geometry::Lines(lines) => {
+            if let [only] = &lines[..] {
+                out.line(only);
+            } else {
                 out.head(5, lines.len());
-                lines.iter().for_each(|l| out.line(l));
+                for l in lines {
+                    out.line(l);
+                }
             }
-        },
-        Geometry::Polygons(polygons) => match &polygons[..] {
-            [only] => out.polygon(only),
-            _ => {
+        }
+        Geometry::Polygons(polygons) => {
+            if let [only] = &polygons[..] {
+                out.polygon(only);
+            } else {
                 out.head(6, polygons.len());
-                polygons.iter().for_each(|p| out.polygon(p));
+                for p in polygons {
+                    out.polygon(p);
+                }
             }
-        },
+        }
     }
     out.bytes
 }
@@ -233,7 +253,9 @@ impl Out {
 
     fn line(&mut self, line: &[Position]) {
         self.head(2, line.len());
-        line.iter().for_each(|p| self.position(p));
+        for p in line {
+            self.position(p);
+        }
     }
 
     fn polygon(&mut self, rings: &[Vec<Position>]) {
@@ -241,7 +263,9 @@ impl Out {
         for (i, ring) in rings.iter().enumerate() {
             let ring = closed(ring, i > 0);
             self.count(ring.len());
-            ring.iter().for_each(|p| self.position(p));
+            for p in &ring {
+                self.position(p);
+            }
         }
     }
 }

@@ -260,7 +260,7 @@ fn state(engine: &Engine, layer: &Layer) -> State {
     match engine.sources().state(&layer.kind, engine.folder()) {
         Some(SourceState::Opening(share)) => return State::Opening(share),
         Some(SourceState::Failed(reason)) => return State::Broken(reason),
-        Some(SourceState::Open(_)) | None => {}
+        Some(SourceState::Open(_) | SourceState::Features(_)) | None => {}
     }
     if !layer.visible {
         return State::Fine(format!("{kind}, hidden"));

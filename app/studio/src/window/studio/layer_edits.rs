@@ -134,6 +134,14 @@ impl Studio {
             .as_ref()
             .and_then(|id| engine.project().layer(id));
         let state = layer.and_then(|l| engine.sources().state(&l.kind, engine.folder()));
+        if let Some(SourceState::Features(open)) = &state {
+            let planet = engine.project().planet.body.figure();
+            if let Some(seen) = Coverage::of_features(&open.features) {
+                let to = seen.camera(&planet);
+                self.fly_to(to);
+            }
+            return;
+        }
         let Some(SourceState::Open(file)) = state else {
             self.log.add(
                 Weight::Warning,
