@@ -395,7 +395,7 @@ impl Compiler<'_> {
     fn open(&mut self, layer: &Layer) -> Option<Arc<dyn RasterFile>> {
         match self.ready(layer)? {
             SourceState::Open(file) => Some(file),
-            _ => None,
+            SourceState::Opening(_) | SourceState::Features(_) | SourceState::Failed(_) => None,
         }
     }
 

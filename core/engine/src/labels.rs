@@ -49,10 +49,13 @@ pub struct PlacedLabel {
     pub halo: Option<[u8; 3]>,
 }
 
+/// All labels of a file.
+type Found = Arc<Vec<Label>>;
+
 /// Labels of files, by file and property, as long as they are open.
 #[derive(Default)]
 pub(crate) struct LabelCache {
-    known: Mutex<HashMap<(usize, String), Arc<Vec<Label>>>>,
+    known: Mutex<HashMap<(usize, String), Found>>,
 }
 
 /// A text that may be shown.
@@ -72,7 +75,7 @@ impl Engine {
     /// Files that are still being opened have none yet. Call it from the thread that drains.
     pub fn labels(&self, view: &View) -> Vec<PlacedLabel> {
         let mut used = Vec::new();
-        let mut of_layers: Vec<(&LayerId, &LabelStyle, Arc<Vec<Label>>)> = Vec::new();
+        let mut of_layers: Vec<(&LayerId, &LabelStyle, Found)> = Vec::new();
         let frame = Picture::new(self, view);
         for layer in self.project().layers.iter().rev() {
             let LayerKind::Vector(vector) = &layer.kind else {
