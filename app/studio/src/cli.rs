@@ -13,6 +13,7 @@ mod progress;
 mod project;
 mod render;
 mod sample;
+mod scenario;
 mod schema;
 mod units;
 

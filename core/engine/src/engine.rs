@@ -3,6 +3,7 @@
 mod ahead;
 mod asking;
 mod edits;
+mod keeping;
 mod options;
 mod picture;
 mod planning;
@@ -19,13 +20,14 @@ use relievo_graph::ContentId;
 use relievo_planet::MapPoint;
 use relievo_planet::clipmap::plan::HeightRange;
 use relievo_planet::clipmap::{Plan, Planner};
-use relievo_project::{History, LayerId, Project};
+use relievo_project::{History, LayerId, Project, ScenarioId};
 use relievo_tiles::{LogEntry, TileState, Tiles};
 
 use self::ahead::Ahead;
+pub use self::keeping::Guarded;
 pub use self::options::{
     DEFAULT_DISK_CACHE_BYTES, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder,
-    folder_of,
+    default_state_folder, folder_of,
 };
 use self::tally::Tally;
 pub use self::tally::{Made, NodeReport};
@@ -35,6 +37,7 @@ use crate::labels::LabelCache;
 use crate::message::{Message, Messages};
 use crate::query::Questions;
 use crate::residency::Stack;
+use crate::scenarios::as_shown;
 use crate::scene::Scene;
 use crate::sources::Sources;
 use crate::terrain::{self, Bounds};
@@ -50,6 +53,7 @@ const UPLOADS_PER_FRAME: usize = 96;
 pub struct Engine {
     project: Project,
     history: History,
+    keeper: Option<keeping::Keeper>,
     folder: PathBuf,
     sources: Sources,
     nodes: NodeCache,
@@ -124,6 +128,7 @@ impl Engine {
         let engine = Self {
             project,
             history: History::default(),
+            keeper: None,
             folder: folder.to_owned(),
             sources,
             nodes,
@@ -277,9 +282,14 @@ impl Engine {
     /// The project as it is now, with every file that is open, for questions that are asked of it on
     /// any thread while it may change here.
     pub fn questions(&self) -> Questions {
+        self.questions_in(self.project.scenario.as_ref())
+    }
+
+    /// As [`Self::questions`], of a scenario that need not be shown; `None` is the base.
+    pub fn questions_in(&self, scenario: Option<&ScenarioId>) -> Questions {
         let pinned = None;
         let compiled = compile::compile(
-            &self.project,
+            &as_shown(&self.project, scenario),
             &self.folder,
             &self.sources,
             &self.nodes,

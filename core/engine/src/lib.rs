@@ -14,6 +14,7 @@ pub mod query;
 pub mod relink;
 mod residency;
 mod sampling;
+mod scenarios;
 mod scene;
 mod sources;
 mod terrain;
@@ -22,8 +23,8 @@ mod view;
 
 pub use bake::{Bake, BakeError, Output};
 pub use engine::{
-    DEFAULT_DISK_CACHE_BYTES, Engine, EngineOptions, EngineStats, Kept, OpenError,
-    default_cache_folder, folder_of,
+    DEFAULT_DISK_CACHE_BYTES, Engine, EngineOptions, EngineStats, Guarded, Kept, OpenError,
+    default_cache_folder, default_state_folder, folder_of,
 };
 pub use engine::{Made, NodeReport};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
@@ -31,6 +32,7 @@ pub use labels::PlacedLabel;
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};
 pub use sampling::Stage;
+pub use scenarios::as_shown;
 pub use sources::{SourceState, Sources};
 pub use vectors::OpenFeatures;
 pub use view::View;

@@ -1,10 +1,11 @@
 //! New projects and layers from files.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use crate::{
-    HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Project, Source, VectorLayer,
-    VectorStyle, store_path,
+    ElementId, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Project, ScenarioId, Source,
+    VectorLayer, VectorStyle, store_path,
 };
 
 /// What a file becomes in a new project.
@@ -52,15 +53,52 @@ impl Project {
     /// An id made from `stem` that no layer has and that `is_taken` does not claim.
     pub fn fresh_layer_id(&self, stem: &str, is_taken: impl Fn(&LayerId) -> bool) -> LayerId {
         let base = slug(stem);
-        let is_free = |id: &LayerId| self.layer(id).is_none() && !is_taken(id);
-        let mut id = LayerId(base.clone());
-        let mut number = 1_u64;
-        while !is_free(&id) {
-            number += 1;
-            id = LayerId(format!("{base}-{number}"));
-        }
-        id
+        let is_free = |id: &str| {
+            let id = LayerId(id.to_owned());
+            self.layer(&id).is_none() && !is_taken(&id)
+        };
+        LayerId(numbered(&base, is_free))
     }
+}
+
+impl Project {
+    /// An id made from `stem` that no element has, in the base or in any scenario, and that `is_taken`
+    /// does not claim.
+    pub fn fresh_element_id(&self, stem: &str, is_taken: impl Fn(&ElementId) -> bool) -> ElementId {
+        let changes = self.scenarios.iter().flat_map(|s| &s.changes);
+        let used: HashSet<&ElementId> = self
+            .elements
+            .iter()
+            .map(|element| &element.id)
+            .chain(changes.filter_map(|change| change.element_id()))
+            .collect();
+        let base = slug(stem);
+        numbered(&base, |id| {
+            let id = ElementId(id.to_owned());
+            !used.contains(&id) && !is_taken(&id)
+        })
+        .as_str()
+        .into()
+    }
+
+    /// An id made from `stem` that no scenario has.
+    pub fn fresh_scenario_id(&self, stem: &str) -> ScenarioId {
+        let base = slug(stem);
+        numbered(&base, |id| self.scenarios.iter().all(|s| s.id.0 != id))
+            .as_str()
+            .into()
+    }
+}
+
+/// The first of `base`, `base-2`, `base-3` that is free.
+fn numbered(base: &str, is_free: impl Fn(&str) -> bool) -> String {
+    let mut id = base.to_owned();
+    let mut number = 1_u64;
+    while !is_free(&id) {
+        number += 1;
+        id = format!("{base}-{number}");
+    }
+    id
 }
 
 /// A layer for a file, named after it. `folder` and `file` absolute.

@@ -45,6 +45,26 @@ impl Project {
         self.layers.iter().find(|layer| layer.id == *id)
     }
 
+    /// Whether it differs from what was saved in more than the camera. Elements that both share cost
+    /// no comparison.
+    pub fn differs_from(&self, saved: &Self) -> bool {
+        let same_elements = self.elements.len() == saved.elements.len()
+            && self
+                .elements
+                .iter()
+                .zip(&saved.elements)
+                .all(|(a, b)| Arc::ptr_eq(a, b) || a == b);
+        !same_elements
+            || self.layers != saved.layers
+            || self.scenarios != saved.scenarios
+            || self.scenario != saved.scenario
+            || self.bookmarks != saved.bookmarks
+            || self.planet != saved.planet
+            || self.sun != saved.sun
+            || self.quality != saved.quality
+            || self.extra != saved.extra
+    }
+
     /// Position of the layer with this id, counted from the bottom.
     pub fn layer_index(&self, id: &LayerId) -> Option<usize> {
         self.layers.iter().position(|layer| layer.id == *id)

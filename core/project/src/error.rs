@@ -113,6 +113,16 @@ pub enum SaveProjectError {
         /// The file.
         path: PathBuf,
     },
+    /// The text would be longer than any that can be opened.
+    #[error("expected a project of at most {most} bytes, found {found}: {path:?}")]
+    TooLarge {
+        /// The limit.
+        most: usize,
+        /// The length.
+        found: usize,
+        /// The file.
+        path: PathBuf,
+    },
     /// The file exists and was not to be replaced.
     #[error("the file exists: {path:?}")]
     Exists {

@@ -4,7 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::{MOST_BYTES, OpenProjectError, Project, SaveProjectError};
+use crate::side;
+use crate::{ContentHash, MOST_BYTES, OpenProjectError, Project, SaveProjectError};
 
 /// What a file's bytes were when they were read or written: their hash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -13,6 +14,17 @@ pub struct FileStamp([u8; 32]);
 impl FileStamp {
     fn of(bytes: &[u8]) -> Self {
         Self(*blake3::hash(bytes).as_bytes())
+    }
+
+    /// From 64 lower-case hexadecimal digits, as it is shown.
+    pub fn from_hex(text: &str) -> Option<Self> {
+        ContentHash::from_hex(text).map(|hash| Self(hash.0))
+    }
+}
+
+impl core::fmt::Display for FileStamp {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        ContentHash(self.0).fmt(f)
     }
 }
 
@@ -27,7 +39,8 @@ pub enum Replace {
     Never,
 }
 
-/// Reads a project file.
+/// Reads a project file and the long lists of vertices beside it. Lists that cannot be read count as
+/// empty: see [`Project::missing_geometry`].
 ///
 /// # Errors
 /// Where the file cannot be read or is not a project that this version reads.
@@ -38,7 +51,9 @@ pub fn open(path: &Path) -> Result<(Project, FileStamp), OpenProjectError> {
         valid_bytes: error.utf8_error().valid_up_to(),
         path: path.to_owned(),
     })?;
-    Ok((Project::from_json(&text, path)?, stamp))
+    let mut project = Project::from_json(&text, path)?;
+    project.load_side_files(&side::side_folder(path));
+    Ok((project, stamp))
 }
 
 /// Reads the text of a JSON file that is not a project, with the same limits: a list of edits.
@@ -79,8 +94,24 @@ fn read_limited(path: &Path) -> Result<Vec<u8>, OpenProjectError> {
     Ok(bytes)
 }
 
+/// As [`save_with`] for those who keep no journal.
+///
+/// # Errors
+/// As [`save_with`].
+pub fn save_atomic(
+    path: &Path,
+    project: &Project,
+    replace: Replace,
+) -> Result<FileStamp, SaveProjectError> {
+    save_with(path, project, replace, |_| {})
+}
+
 /// Saves a project so that after a crash at any moment the file holds either the old or the new
 /// content: written to a temporary file in the same folder, synced, renamed, the folder synced.
+///
+/// Long lists of vertices are written to files beside it first; those that nothing names any more go
+/// last. `about_to` hears what the file will be when all that is left to do is to replace it: see
+/// [`Journal::saving`](crate::Journal::saving).
 ///
 /// The project's paths must fit the folder: see [`Project::rebased`]. A link is followed, so that the
 /// file it leads to is replaced. The permissions of an existing file are kept.
@@ -88,10 +119,11 @@ fn read_limited(path: &Path) -> Result<Vec<u8>, OpenProjectError> {
 /// # Errors
 /// Where the file cannot be written or may not be replaced; the old file is then untouched and
 /// nothing is left behind.
-pub fn save_atomic(
+pub fn save_with(
     path: &Path,
     project: &Project,
     replace: Replace,
+    about_to: impl FnOnce(FileStamp),
 ) -> Result<FileStamp, SaveProjectError> {
     let failed = |source| SaveProjectError::Write {
         source,
@@ -109,7 +141,18 @@ pub fn save_atomic(
             "expected a file to replace, found a folder or a device",
         )));
     }
-    let text = project.to_json();
+    let (in_text, lists) = project.apart();
+    let text = in_text.text();
+    if text.len() > MOST_BYTES {
+        return Err(SaveProjectError::TooLarge {
+            most: MOST_BYTES,
+            found: text.len(),
+            path: path.to_owned(),
+        });
+    }
+    let side_folder = side::side_folder(&target);
+    side::write(&side_folder, &lists).map_err(failed)?;
+    let stamp = FileStamp::of(text.as_bytes());
 
     let mut builder = tempfile::Builder::new();
     builder.prefix(".relievo-").suffix(".tmp");
@@ -127,10 +170,9 @@ pub fn save_atomic(
     }
     temporary.as_file().sync_all().map_err(failed)?;
 
-    match replace {
-        Replace::Always => {}
-        // As late as possible, though no file system lets a check and a rename be one step.
-        Replace::IfUnchanged(stamp) => match fs::read(&target) {
+    // As late as possible, though no file system lets a check and a rename be one step.
+    if let Replace::IfUnchanged(stamp) = replace {
+        match fs::read(&target) {
             Ok(bytes) if FileStamp::of(&bytes) == stamp => {}
             Ok(_) => {
                 return Err(SaveProjectError::ChangedOnDisk {
@@ -139,27 +181,26 @@ pub fn save_atomic(
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => return Err(failed(error)),
-        },
-        Replace::Never => {
-            return match temporary.persist_noclobber(&target) {
-                Ok(_) => {
-                    sync_folder(&folder).map_err(failed)?;
-                    Ok(FileStamp::of(text.as_bytes()))
-                }
-                Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => {
-                    Err(SaveProjectError::Exists {
-                        path: path.to_owned(),
-                    })
-                }
-                Err(error) => Err(failed(error.error)),
-            };
         }
     }
-    temporary
-        .persist(&target)
-        .map_err(|error| failed(error.error))?;
+    about_to(stamp);
+    let result = match replace {
+        Replace::Always | Replace::IfUnchanged(_) => temporary.persist(&target),
+        Replace::Never => temporary.persist_noclobber(&target),
+    };
+    if let Err(error) = result {
+        let exists = error.error.kind() == io::ErrorKind::AlreadyExists;
+        return Err(if exists && replace == Replace::Never {
+            SaveProjectError::Exists {
+                path: path.to_owned(),
+            }
+        } else {
+            failed(error.error)
+        });
+    }
     sync_folder(&folder).map_err(failed)?;
-    Ok(FileStamp::of(text.as_bytes()))
+    side::clean(&side_folder, &in_text);
+    Ok(stamp)
 }
 
 /// Whether the file is still what it was.
@@ -187,7 +228,7 @@ fn new_file_permissions(_: &Path) -> Option<fs::Permissions> {
 
 /// Makes a rename in the folder survive a power cut.
 #[cfg(unix)]
-fn sync_folder(folder: &Path) -> io::Result<()> {
+pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     match File::open(folder)?.sync_all() {
         // Some network file systems cannot; the rename itself has succeeded.
         Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
@@ -196,6 +237,24 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 }
 
 #[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
+pub(crate) fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
+}
+
+/// A name beside `path` that nothing has, for keeping two versions of a project: `NAME 2.relievo`.
+pub fn free_name_beside(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default();
+    let numbered = |number: usize| {
+        let mut name = stem.to_owned();
+        name.push(format!(" {number}"));
+        if let Some(extension) = path.extension() {
+            name.push(".");
+            name.push(extension);
+        }
+        path.with_file_name(name)
+    };
+    (2..)
+        .map(numbered)
+        .find(|candidate| !candidate.exists())
+        .unwrap_or_else(|| path.to_owned())
 }

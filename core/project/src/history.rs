@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
-use crate::{Edit, EditError, LayerId, Project, paths};
+use crate::{Edit, EditError, ElementId, LayerId, Project, paths};
 
 /// What can be undone and redone, bounded by memory.
 ///
@@ -14,6 +14,8 @@ pub struct History {
     redo: Vec<Step>,
     drag: Option<Drag>,
     most_bytes: usize,
+    /// Memory of all steps.
+    bytes: usize,
 }
 
 /// The edits since a drag began.
@@ -34,8 +36,9 @@ struct Step {
 }
 
 impl Step {
-    fn new(label: String, edit: Edit) -> Self {
-        let bytes = size_of::<Self>() + label.len() + edit.heap_bytes();
+    /// `project` as it is after the step: geometry that it shares costs the step nothing.
+    fn new(label: String, edit: Edit, project: &Project) -> Self {
+        let bytes = size_of::<Self>() + label.len() + edit.heap_bytes(project);
         Self { label, edit, bytes }
     }
 }
@@ -55,6 +58,7 @@ impl History {
             redo: Vec::new(),
             drag: None,
             most_bytes,
+            bytes: 0,
         }
     }
 
@@ -69,9 +73,9 @@ impl History {
         let label = edit.label(project);
         let key = edit.merge_key();
         let inverse = project.apply(edit)?;
-        self.redo.clear();
+        self.clear_redo();
         let Some(drag) = &mut self.drag else {
-            self.push_undo(Step::new(label, inverse));
+            self.push_undo(Step::new(label, inverse, project));
             return Ok(());
         };
         // Of a run of edits of one value only the first inverse matters: it holds the value before.
@@ -113,7 +117,7 @@ impl History {
         } else {
             drag.label
         };
-        self.push_undo(Step::new(label, edit));
+        self.push_undo(Step::new(label, edit, project));
     }
 
     /// Ends a drag and takes it back (the Escape key). Gives the edit that did so, if any.
@@ -165,9 +169,12 @@ impl History {
         let Some(step) = self.undo.pop_back() else {
             return Ok(None);
         };
+        self.bytes -= step.bytes;
         let applied = step.edit.clone();
         let back = project.apply(step.edit)?;
-        self.redo.push(Step::new(step.label, back));
+        let step = Step::new(step.label, back, project);
+        self.bytes += step.bytes;
+        self.redo.push(step);
         Ok(Some(applied))
     }
 
@@ -181,19 +188,57 @@ impl History {
         let Some(step) = self.redo.pop() else {
             return Ok(None);
         };
+        self.bytes -= step.bytes;
         let applied = step.edit.clone();
         let back = project.apply(step.edit)?;
-        self.push_undo(Step::new(step.label, back));
+        self.push_undo(Step::new(step.label, back, project));
         Ok(Some(applied))
     }
 
     /// Memory of all steps in bytes, about.
     pub fn bytes(&self) -> usize {
-        self.undo
-            .iter()
-            .chain(&self.redo)
-            .map(|step| step.bytes)
-            .sum()
+        self.bytes
+    }
+
+    /// What every step is called, the oldest first: those that can be undone, then those that can be
+    /// redone. [`History::position`] says where the one ends and the other begins.
+    pub fn labels(&self) -> impl ExactSizeIterator<Item = &str> {
+        let redone = self.redo.len();
+        let all = (0..self.undo.len() + redone).map(move |place| {
+            let undone = place.checked_sub(self.undo.len());
+            undone.map_or_else(|| &self.undo[place], |back| &self.redo[redone - 1 - back])
+        });
+        all.map(|step| step.label.as_str())
+    }
+
+    /// How many steps can be undone: the project is where it was after that many of
+    /// [`History::labels`].
+    pub fn position(&self) -> usize {
+        self.undo.len()
+    }
+
+    /// Undoes or redoes until so many steps can be undone; the last step that there is where there are
+    /// not so many. Gives the edits that were applied, in order.
+    ///
+    /// # Errors
+    /// As [`History::undo`] and [`History::redo`]; what was applied before stays so.
+    pub fn go_to(
+        &mut self,
+        project: &mut Project,
+        position: usize,
+    ) -> Result<Vec<Edit>, EditError> {
+        self.end_drag(project);
+        let mut applied = Vec::new();
+        while self.undo.len() > position {
+            applied.extend(self.undo(project)?);
+        }
+        while self.undo.len() < position {
+            let Some(edit) = self.redo(project)? else {
+                break;
+            };
+            applied.push(edit);
+        }
+        Ok(applied)
     }
 
     /// Rewrites the paths in all steps after the project moved from one folder to another with
@@ -210,6 +255,16 @@ impl History {
             .for_each(|edit| paths::rebase_edit(edit, from, to));
     }
 
+    /// An id for a new planning element made from `stem`: used neither in the project nor by an element
+    /// that an undo or redo would bring back.
+    pub fn fresh_element_id(&self, project: &Project, stem: &str) -> ElementId {
+        let steps = self.undo.iter().chain(&self.redo).map(|step| &step.edit);
+        let edits: Vec<&Edit> = steps
+            .chain(self.drag.iter().flat_map(|drag| &drag.inverses))
+            .collect();
+        project.fresh_element_id(stem, |id| edits.iter().any(|edit| names(edit, id)))
+    }
+
     /// An id for a new layer made from `stem`: used neither in the project nor by a layer that an
     /// undo or redo would bring back.
     pub fn fresh_layer_id(&self, project: &Project, stem: &str) -> LayerId {
@@ -221,10 +276,17 @@ impl History {
     }
 
     fn push_undo(&mut self, step: Step) {
+        self.bytes += step.bytes;
         self.undo.push_back(step);
-        while self.bytes() > self.most_bytes && self.undo.len() > 1 {
-            self.undo.pop_front();
+        while self.bytes > self.most_bytes && self.undo.len() > 1 {
+            let dropped = self.undo.pop_front();
+            self.bytes -= dropped.map_or(0, |step| step.bytes);
         }
+    }
+
+    fn clear_redo(&mut self) {
+        self.bytes -= self.redo.iter().map(|step| step.bytes).sum::<usize>();
+        self.redo.clear();
     }
 }
 
@@ -248,4 +310,14 @@ fn adds(edit: &Edit, id: &LayerId) -> bool {
         return edits.iter().any(|edit| adds(edit, id));
     }
     matches!(edit, Edit::AddLayer { layer, .. } if layer.id == *id)
+}
+
+/// Whether an edit names an element.
+fn names(edit: &Edit, id: &ElementId) -> bool {
+    match edit {
+        Edit::Batch { edits, .. } => edits.iter().any(|edit| names(edit, id)),
+        Edit::SetChanges { changes, .. } => changes.iter().any(|c| c.element_id() == Some(id)),
+        Edit::AddScenario { scenario, .. } => scenario.change(id).is_some(),
+        _others => edit.element().is_some_and(|(_, other)| other == id),
+    }
 }

@@ -55,7 +55,15 @@ impl Project {
 
     /// The canonical text: members in the order of the format, unknown ones behind them, two spaces
     /// of indent, shortest numbers that read back the same, defaults left out, LF, one at the end.
+    ///
+    /// Lists of more than 10 000 vertices, and the longest others where there are too many, are
+    /// references to files that saving writes: see [`side_folder`](crate::side_folder).
     pub fn to_json(&self) -> String {
+        self.apart().0.text()
+    }
+
+    /// The text of a project whose long lists are references already.
+    pub(crate) fn text(&self) -> String {
         pretty(&self.to_stored().write())
     }
 }

@@ -2,7 +2,7 @@
 
 mod planning;
 
-use crate::{Affects, Aspect, Edit, LayerId, Project};
+use crate::{Affects, Aspect, Edit, Element, LayerId, Project, Vertices};
 
 impl Edit {
     /// The layer it touches, where it touches one.
@@ -246,12 +246,39 @@ impl Edit {
         Some((core::mem::discriminant(self), thing))
     }
 
-    /// Memory behind it in bytes, about.
-    pub(crate) fn heap_bytes(&self) -> usize {
-        let (bare, vertices) = crate::stored::edits::apart(self);
+    /// Memory behind it in bytes, about. Lists of vertices that `project` shares cost nothing.
+    pub(crate) fn heap_bytes(&self, project: &Project) -> usize {
+        let (bare, elements) = crate::stored::edits::apart(self);
         let text = serde_json::to_vec(bare.as_ref()).map_or(0, |text| text.len());
-        text + vertices * size_of::<crate::Vertex>()
+        let own: usize = elements
+            .iter()
+            .map(|element| own_vertices(element, project))
+            .sum();
+        text + own * size_of::<crate::Vertex>()
     }
+}
+
+/// Vertices of an element that no element of this id in the project shares.
+fn own_vertices(element: &Element, project: &Project) -> usize {
+    // Short lists are not worth the look.
+    const SHORT: usize = 100;
+    let lists = element.vertex_lists();
+    let all: usize = lists.iter().map(|list| list.len()).sum();
+    if all < SHORT {
+        return all;
+    }
+    let changes = project
+        .scenarios
+        .iter()
+        .filter_map(|s| s.change(&element.id));
+    let others: Vec<&Vertices> = changes
+        .filter_map(|(_, change)| change.element())
+        .chain(project.element_in(None, &element.id))
+        .flat_map(|other| other.vertex_lists())
+        .collect();
+    let is_own = |list: &&&Vertices| !others.iter().any(|other| other.is_same(list));
+    let own = lists.iter().filter(is_own);
+    own.map(|list| list.len()).sum()
 }
 
 /// Which adjustment differs from the project's, where it is one.

@@ -5,7 +5,8 @@
 //! Runtime types (here) and stored types (the private module `stored`) are different types, so that
 //! the file format can stay still while the program moves.
 //!
-//! Deliberately absent: pixels, raster files (a path is only text here), threads and the graph.
+//! Deliberately absent: pixels, raster files (a path is only text here), the graph, and threads but
+//! for the one that writes the [`Journal`].
 
 mod apply;
 mod build;
@@ -16,11 +17,14 @@ mod error;
 mod file;
 mod history;
 mod id;
+mod journal;
 mod json;
 mod label;
 mod layer;
+mod lock;
 mod paths;
 mod scenario;
+mod side;
 mod stored;
 mod vector_layer;
 mod vertices;
@@ -36,17 +40,22 @@ pub use element::{
     Section, SectionKind, SideSlopes, Stroke, Surface, SurfaceKind,
 };
 pub use error::{OpenProjectError, SaveProjectError};
-pub use file::{FileStamp, Replace, is_unchanged, open, read_text, save_atomic};
+pub use file::{
+    FileStamp, Replace, free_name_beside, is_unchanged, open, read_text, save_atomic, save_with,
+};
 pub use history::History;
 pub use id::{ElementId, LayerId, ScenarioId};
+pub use journal::{Journal, JournalOptions, Recovery, RecoveryError};
 pub use json::{MOST_BYTES, schema, schema_text};
 pub use layer::{
     Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer,
     LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows, Tint,
     TintInterpolation, TintLayer, TintStop,
 };
+pub use lock::{Holder, LockError, ProjectLock};
 pub use paths::{resolve_path, store_path};
 pub use scenario::{Change, ChangeKind, LayerOverride, Scenario};
+pub use side::{MissingGeometry, side_folder};
 pub use stored::fault::Fault;
 pub use vector_layer::{
     Casing, ClassMatch, ClassedBy, Extrude, Hatch, Label, PointSymbol, StyleClass, Symbol,

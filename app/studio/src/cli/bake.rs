@@ -7,6 +7,7 @@ use relievo_engine::raster::write::WriteError;
 use relievo_engine::{Bake, BakeError, Output};
 
 use super::progress::Progress;
+use super::scenario::Scenario;
 use super::{Context, Failure, project, units};
 
 /// Write a region of a project to a raster file.
@@ -20,6 +21,8 @@ pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
+    #[command(flatten)]
+    scenario: Scenario,
     /// The file to write: .tif, .exr or .png.
     #[arg(short = 'o', value_name = "OUT.tif|OUT.exr|OUT.png")]
     file: PathBuf,
@@ -46,7 +49,7 @@ enum Kind {
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
-    let engine = project::open_complete(&arguments.project, context)?;
+    let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     project::check_output(&arguments.file, &[&arguments.project], &engine)?;
     let bake = Bake {
         output: match arguments.output {

@@ -1,6 +1,7 @@
 //! `relievo check`: every problem of a project, with where it is and how to mend it.
 
 mod elsewhere;
+mod planning;
 
 use std::path::PathBuf;
 
@@ -69,7 +70,8 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let mut engine = project::open(&arguments.project, context)?;
     project::wait_for_sources(&mut engine, context)?;
     let elsewhere = Elsewhere::search(&engine, &arguments.search, context)?;
-    let problems = problems(&engine, &elsewhere);
+    let mut problems = problems(&engine, &elsewhere);
+    planning::problems(engine.project(), &arguments.project, &mut problems);
     if arguments.json {
         let text = serde_json::to_string_pretty(&problems).map_err(Failure::system)?;
         writeln!(context.out, "{text}")?;

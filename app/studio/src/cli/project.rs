@@ -8,6 +8,7 @@ use relievo_engine::{Engine, OpenError, Severity, SourceState};
 
 use super::cache::engine_options;
 use super::progress::Progress;
+use super::scenario::Scenario;
 use super::{Context, Failure};
 
 /// The absolute form of a path, so that relative paths inside projects can be told from it.
@@ -57,30 +58,37 @@ fn opened(engine: &Engine) -> f64 {
 
 /// An engine with every file open. A visible layer whose file cannot be used is bad input: results
 /// would lack it without saying so.
-pub(crate) fn open_complete(path: &Path, context: &Context) -> Result<Engine, Failure> {
+pub(crate) fn open_complete(
+    path: &Path,
+    scenario: &Scenario,
+    context: &Context,
+) -> Result<Engine, Failure> {
     let mut engine = open(path, context)?;
+    scenario.show(&mut engine)?;
     wait_for_sources(&mut engine, context)?;
+    let project = engine.project();
+    let layers = project.layers_in(project.scenario.as_ref());
     let shown = |id: &LayerId| {
-        engine
-            .project()
-            .layer(id)
-            .is_none_or(|l| l.visible && l.opacity > 0.0)
+        let layer = layers.iter().find(|l| l.id == *id);
+        layer.is_none_or(|l| l.visible && l.opacity > 0.0)
     };
     let problem = engine
         .messages()
         .iter()
         .find(|m| m.severity == Severity::Error && m.layer.as_ref().is_none_or(shown));
     match problem {
-        None => Ok(engine),
+        None => {}
         Some(message) => {
             let layer = message
                 .layer
                 .as_ref()
                 .map(|id| format!("layer {:?}: ", id.0))
                 .unwrap_or_default();
-            Err(Failure::Input(format!("{layer}{}", message.text)))
+            return Err(Failure::Input(format!("{layer}{}", message.text)));
         }
     }
+    drop(layers);
+    Ok(engine)
 }
 
 /// Refuses to write where nothing can be written, and over what is read: `inputs`, and the files of
@@ -101,7 +109,7 @@ pub(crate) fn check_output(
     }
     let folder = engine.folder();
     let layers = engine.project().layers.iter();
-    let sources = layers.filter_map(|l| l.source().map(|s| resolve_path(folder, &s.path)));
+    let sources = layers.filter_map(|l| l.path().map(|path| resolve_path(folder, path)));
     let read = inputs.iter().map(|i| i.to_path_buf()).chain(sources);
     for input in read {
         if input.canonicalize().is_ok_and(|input| input == place) {

@@ -11,6 +11,7 @@ use relievo_engine::{ClipKind, Engine, Frame, Severity, View};
 use relievo_gpu::{FrameStats, Gpu, GpuError, Picture, Quality, ReadError, RenderError, Renderer};
 
 use super::progress::Progress;
+use super::scenario::Scenario;
 use super::{Context, Failure, project, units};
 use crate::picture;
 use stats::{Stats, Timings};
@@ -23,6 +24,8 @@ pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
+    #[command(flatten)]
+    scenario: Scenario,
     /// The picture to write; an existing file is replaced.
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
@@ -68,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let FrontEnd::Clipmap = arguments.front_end;
     check_name(&arguments.output)?;
     let started = Instant::now();
-    let mut engine = project::open_complete(&arguments.project, context)?;
+    let mut engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     for output in [Some(&arguments.output), arguments.stats.as_ref()]
         .into_iter()
         .flatten()

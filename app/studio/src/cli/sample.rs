@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use relievo_engine::graph::RenderError;
 use relievo_engine::planet::MapPoint;
 
+use super::scenario::Scenario;
 use super::units::{self, Place};
 use super::{Context, Failure, project};
 
@@ -17,13 +18,15 @@ pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
+    #[command(flatten)]
+    scenario: Scenario,
     /// A place in degrees, longitude east; may be repeated.
     #[arg(long, required = true, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = units::place)]
     at: Vec<Place>,
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
-    let engine = project::open_complete(&arguments.project, context)?;
+    let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     let questions = engine.questions();
     for place in &arguments.at {
         let point = MapPoint::from_degrees(place.lon_deg, place.lat_deg);

@@ -16,7 +16,13 @@ impl Engine {
     /// When the edit does not fit the project; nothing has changed then.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
         let affects = edit.affects();
+        // Where the viewer is goes into the file with a save; it is no work to be lost.
+        let is_kept = self.keeps() && !matches!(edit, Edit::SetCamera { .. });
+        let kept = is_kept.then(|| edit.clone());
         self.history.apply(&mut self.project, edit)?;
+        if let Some(edit) = kept {
+            self.keep(&edit);
+        }
         self.changed(&affects);
         Ok(())
     }
@@ -34,6 +40,7 @@ impl Engine {
     /// Ends a drag and takes it back.
     pub fn cancel_drag(&mut self) {
         if let Some(edit) = self.history.cancel_drag(&mut self.project) {
+            self.keep(&edit);
             self.changed(&edit.affects());
         }
     }
@@ -44,7 +51,7 @@ impl Engine {
     /// When the step does not fit the project any more; it is gone then.
     pub fn undo(&mut self) -> Result<bool, EditError> {
         let edit = self.history.undo(&mut self.project)?;
-        Ok(edit.inspect(|e| self.changed(&e.affects())).is_some())
+        Ok(edit.inspect(|e| self.went(e)).is_some())
     }
 
     /// Makes the last undone edit again; `false` if there is none.
@@ -53,7 +60,35 @@ impl Engine {
     /// When the step does not fit the project any more; it is gone then.
     pub fn redo(&mut self) -> Result<bool, EditError> {
         let edit = self.history.redo(&mut self.project)?;
-        Ok(edit.inspect(|e| self.changed(&e.affects())).is_some())
+        Ok(edit.inspect(|e| self.went(e)).is_some())
+    }
+
+    /// Undoes or redoes until so many steps of [`Self::history`] can be undone; `false` if nothing
+    /// changed.
+    ///
+    /// # Errors
+    /// When a step does not fit the project any more; it is gone then.
+    pub fn go_to(&mut self, position: usize) -> Result<bool, EditError> {
+        let mut changed = false;
+        while self.history.position() > position {
+            if !self.undo()? {
+                break;
+            }
+            changed = true;
+        }
+        while self.history.position() < position {
+            if !self.redo()? {
+                break;
+            }
+            changed = true;
+        }
+        Ok(changed)
+    }
+
+    /// Notes an edit that the history applied.
+    fn went(&mut self, edit: &Edit) {
+        self.keep(edit);
+        self.changed(&edit.affects());
     }
 
     /// Opens a project file.
@@ -73,15 +108,21 @@ impl Engine {
     /// [`SaveProjectError`]; the file on disk is then untouched.
     pub fn save(&mut self, path: &Path, replace: Replace) -> Result<FileStamp, SaveProjectError> {
         let folder = folder_of(path);
-        if folder == self.folder {
-            return relievo_project::save_atomic(path, &self.project, replace);
+        let moved = (folder != self.folder).then(|| self.project.rebased(&self.folder, folder));
+        let keeper = self.keeper.as_ref();
+        let stamp = relievo_project::save_with(
+            path,
+            moved.as_ref().unwrap_or(&self.project),
+            replace,
+            |stamp| keeper.into_iter().for_each(|k| k.saving(path, stamp)),
+        )?;
+        if let Some(moved) = moved {
+            self.history.rebase(&self.folder, folder);
+            self.project = moved;
+            folder.clone_into(&mut self.folder);
+            self.sources.require(&self.project, &self.folder);
         }
-        let moved = self.project.rebased(&self.folder, folder);
-        let stamp = relievo_project::save_atomic(path, &moved, replace)?;
-        self.history.rebase(&self.folder, folder);
-        self.project = moved;
-        folder.clone_into(&mut self.folder);
-        self.sources.require(&self.project, &self.folder);
+        self.kept_saved(path, stamp);
         Ok(stamp)
     }
 

@@ -76,6 +76,12 @@ pub fn default_cache_folder() -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "relievo").map(|d| d.cache_dir().to_owned())
 }
 
+/// The user's folder for what Relievo keeps between runs, journals among it, where the system has one.
+pub fn default_state_folder() -> Option<PathBuf> {
+    directories::ProjectDirs::from("", "", "relievo")
+        .map(|d| d.state_dir().unwrap_or(d.data_local_dir()).to_owned())
+}
+
 /// Why a project could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {

@@ -12,6 +12,7 @@ use super::Engine;
 use super::asking::named;
 use crate::compile;
 use crate::frame::ClipKind;
+use crate::scenarios::as_shown;
 use crate::scene::Scene;
 use crate::sources::News;
 
@@ -30,7 +31,7 @@ impl Engine {
         self.stale = false;
         self.revisions += 1;
         let compiled = compile::compile(
-            &self.project,
+            &as_shown(&self.project, self.project.scenario.as_ref()),
             &self.folder,
             &self.sources,
             &self.nodes,

@@ -68,7 +68,7 @@ impl Elsewhere {
         if !self.missing.contains(&layer.id) {
             return None;
         }
-        let old = resolve_path(engine.folder(), &layer.source()?.path);
+        let old = resolve_path(engine.folder(), layer.path()?);
         let name = old.file_name()?;
         let mut fitting = BTreeMap::new();
         let mut unfit = Vec::new();
@@ -126,6 +126,9 @@ impl Elsewhere {
 
 /// Whether a file could stand behind a layer, as far as its header says.
 fn fits(file: &Path, layer: &Layer) -> Result<(), String> {
+    if matches!(layer.kind, LayerKind::Vector(_)) {
+        return Ok(());
+    }
     let bands = match &layer.kind {
         LayerKind::Height(_) => Bands::Height,
         LayerKind::Imagery(_)

@@ -634,34 +634,36 @@ pub(crate) fn check(edit: &Edit, at: &At<'_>) -> Result<(), Fault> {
     Edit::from_stored(stored, at).map(drop)
 }
 
-/// The edit with lists of vertices left empty, and how many vertices they hold.
-pub(crate) fn apart(edit: &Edit) -> (Cow<'_, Edit>, usize) {
-    fn vertices(edit: &Edit) -> usize {
-        let of = |element: &Element| -> usize {
-            element.vertex_lists().iter().map(|list| list.len()).sum()
-        };
-        let of_change = |change: &Change| change.element().map_or(0, |element| of(element));
+/// The edit with lists of vertices left empty, and the elements that it holds.
+pub(crate) fn apart(edit: &Edit) -> (Cow<'_, Edit>, Vec<&Element>) {
+    fn of(changes: &[Change]) -> Vec<&Element> {
+        let elements = changes.iter().filter_map(|change| change.element());
+        elements.map(|element| &**element).collect()
+    }
+    fn elements(edit: &Edit) -> Vec<&Element> {
         match edit {
-            Edit::AddElement { element, .. } | Edit::ReplaceElement { element, .. } => of(element),
-            Edit::SetChange { change, .. } => change.as_ref().map_or(0, of_change),
-            Edit::SetChanges { changes, .. } => changes.iter().map(of_change).sum(),
-            Edit::AddScenario { scenario, .. } => scenario.changes.iter().map(of_change).sum(),
-            _others => 0,
+            Edit::AddElement { element, .. } | Edit::ReplaceElement { element, .. } => {
+                vec![element]
+            }
+            Edit::SetChange { change, .. } => of(change.as_slice()),
+            Edit::SetChanges { changes, .. } => of(changes),
+            Edit::AddScenario { scenario, .. } => of(&scenario.changes),
+            _others => Vec::new(),
         }
     }
     if let Edit::Batch { label, edits } = edit {
-        let (bare, counts): (Vec<Edit>, Vec<usize>) = edits
+        let (bare, all): (Vec<Edit>, Vec<Vec<&Element>>) = edits
             .iter()
             .map(|edit| {
-                let (bare, count) = apart(edit);
-                (bare.into_owned(), count)
+                let (bare, elements) = apart(edit);
+                (bare.into_owned(), elements)
             })
             .unzip();
         let label = label.clone();
         let batch = Edit::Batch { label, edits: bare };
-        return (Cow::Owned(batch), counts.iter().sum());
+        return (Cow::Owned(batch), all.concat());
     }
-    (without_vertices(edit), vertices(edit))
+    (without_vertices(edit), elements(edit))
 }
 
 /// The edit with lists of vertices left empty, which are checked already.
