@@ -129,6 +129,10 @@ impl Project {
     }
 
     #[expect(clippy::too_many_lines, reason = "one arm for each edit")]
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the others have their arms in apply_planning"
+    )]
     fn apply_checked(&mut self, edit: Edit) -> Result<Edit, EditError> {
         Ok(match edit {
             Edit::AddLayer { index, layer } => self.add_layer(index, *layer)?,
@@ -311,6 +315,11 @@ impl Project {
     }
 
     /// Edits of elements, scenarios and bookmarks.
+    #[expect(clippy::too_many_lines, reason = "one arm for each edit")]
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the caller has the arms of the others"
+    )]
     fn apply_planning(&mut self, edit: Edit) -> Result<Edit, EditError> {
         match edit {
             Edit::AddElement {

@@ -253,8 +253,9 @@ pub fn free_name_beside(path: &Path) -> PathBuf {
         }
         path.with_file_name(name)
     };
-    (2..)
-        .map(numbered)
-        .find(|candidate| !candidate.exists())
-        .unwrap_or_else(|| path.to_owned())
+    let mut number = 2;
+    while numbered(number).exists() {
+        number += 1;
+    }
+    numbered(number)
 }

@@ -71,8 +71,9 @@ impl History {
             return project.apply(edit).map(drop);
         }
         let label = edit.label(project);
-        let key = edit.merge_key();
         let inverse = project.apply(edit)?;
+        // In a scenario the inverse of any edit of an element sets what the scenario changes about it.
+        let key = inverse.merge_key();
         self.clear_redo();
         let Some(drag) = &mut self.drag else {
             self.push_undo(Step::new(label, inverse, project));
@@ -313,6 +314,10 @@ fn adds(edit: &Edit, id: &LayerId) -> bool {
 }
 
 /// Whether an edit names an element.
+#[expect(
+    clippy::wildcard_enum_match_arm,
+    reason = "most edits name one element or none"
+)]
 fn names(edit: &Edit, id: &ElementId) -> bool {
     match edit {
         Edit::Batch { edits, .. } => edits.iter().any(|edit| names(edit, id)),

@@ -120,6 +120,8 @@ impl Journal {
         let mut shared = self.mailbox.lock();
         // Of a run of edits of one value only the last matters.
         let key = edit.merge_key();
+        // Where a change stands among others depends on those before.
+        let key = key.filter(|_| !matches!(edit, Edit::SetChange { .. }));
         if key.is_some()
             && let Some(Entry::Edit(last)) = shared.entries.last_mut()
             && last.merge_key() == key

@@ -86,12 +86,12 @@ impl Edit {
             | Self::SetNodata { .. }
             | Self::SetTiles { .. }
             | Self::SetStretch { .. }
-            | Self::SetBands { .. } => Aspect::Source,
+            | Self::SetBands { .. }
+            | Self::SetVectorSource { .. } => Aspect::Source,
             Self::SetHeightScale { .. } => Aspect::HeightScale,
             Self::SetNoise { .. } => Aspect::Noise,
             Self::SetTint { .. } => Aspect::Tint,
             Self::SetVectorStyle { .. } => Aspect::Style,
-            Self::SetVectorSource { .. } => Aspect::Source,
             Self::AddElement { .. }
             | Self::RemoveElement { .. }
             | Self::ReplaceElement { .. }
@@ -104,6 +104,7 @@ impl Edit {
             Self::SetChanges { scenario: id, .. }
             | Self::SetScenarioLayer { scenario: id, .. }
             | Self::SetScenarioParent { id, .. }
+            | Self::DuplicateScenario { new_id: id, .. }
             | Self::RemoveScenario { id } => {
                 return all.push(Affects::Scenario { id: id.clone() });
             }
@@ -111,9 +112,6 @@ impl Edit {
                 return all.push(Affects::Scenario {
                     id: scenario.id.clone(),
                 });
-            }
-            Self::DuplicateScenario { new_id: id, .. } => {
-                return all.push(Affects::Scenario { id: id.clone() });
             }
             Self::RenameScenario { .. } => return all.push(Affects::ScenarioName),
             Self::MergeScenario { id } => {
@@ -216,6 +214,10 @@ impl Edit {
     }
 
     /// Edits with equal keys set the same value of the same thing.
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "most edits set a value of one layer, one element, or the project"
+    )]
     pub(crate) fn merge_key(&self) -> Option<(core::mem::Discriminant<Self>, String)> {
         let thing = match self {
             Self::AddLayer { .. }
@@ -223,7 +225,6 @@ impl Edit {
             | Self::Batch { .. }
             | Self::AddElement { .. }
             | Self::RemoveElement { .. }
-            | Self::SetChange { .. }
             | Self::AddScenario { .. }
             | Self::RemoveScenario { .. }
             | Self::DuplicateScenario { .. }

@@ -101,6 +101,7 @@ fn rebase_kind(kind: &mut LayerKind, from: &Path, to: &Path) {
 }
 
 /// Rewrites the paths inside an edit as [`Project::rebased`] does those of a project.
+#[expect(clippy::wildcard_enum_match_arm, reason = "no other edit holds a path")]
 pub(crate) fn rebase_edit(edit: &mut Edit, from: &Path, to: &Path) {
     match edit {
         Edit::AddLayer { layer, .. } => rebase_kind(&mut layer.kind, from, to),
@@ -108,7 +109,6 @@ pub(crate) fn rebase_edit(edit: &mut Edit, from: &Path, to: &Path) {
         Edit::Batch { edits, .. } => edits
             .iter_mut()
             .for_each(|edit| rebase_edit(edit, from, to)),
-        // No other edit holds a path.
         _others => {}
     }
 }

@@ -273,9 +273,9 @@ pub(crate) fn resolve(elements: Vec<Arc<Element>>, changes: &[Change]) -> Vec<Ar
     for change in changes {
         let place = change.element_id().and_then(|id| state.place(id));
         match (&change.kind, place) {
-            (ChangeKind::Add { element, .. }, Some(place))
-            | (
-                ChangeKind::Replace {
+            (
+                ChangeKind::Add { element, .. }
+                | ChangeKind::Replace {
                     element,
                     index: None,
                 },

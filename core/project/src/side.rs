@@ -61,9 +61,8 @@ impl Project {
                 let Some(side_file) = list.missing() else {
                     continue;
                 };
-                let reason = match read(&folder, side_file) {
-                    Ok(_) => continue,
-                    Err(reason) => reason,
+                let Err(reason) = read(&folder, side_file) else {
+                    continue;
                 };
                 missing.push(MissingGeometry {
                     element: element.id.clone(),
@@ -231,9 +230,11 @@ pub(crate) fn clean(folder: &Path, text: &Project) {
     for entry in entries.filter_map(Result::ok) {
         let name = entry.file_name();
         let is_ours = name.to_str().is_some_and(|name| {
-            name.strip_suffix(".vertices")
-                .is_some_and(|hash| ContentHash::from_hex(hash).is_some())
-                || (name.starts_with(".relievo-") && name.ends_with(".tmp"))
+            let hash = name
+                .strip_suffix(".vertices")
+                .and_then(ContentHash::from_hex);
+            let unfinished = name.strip_prefix(".relievo-");
+            hash.is_some() || unfinished.is_some_and(|rest| rest.strip_suffix(".tmp").is_some())
         });
         if is_ours && !used.contains(&name) {
             drop(fs::remove_file(entry.path()));

@@ -15,7 +15,7 @@ use relievo_project::{
     save_with,
 };
 
-const LONG: Duration = Duration::from_secs(60);
+const LONG: Duration = Duration::from_mins(1);
 
 fn options(gather_ms: u64) -> JournalOptions {
     JournalOptions {
@@ -97,7 +97,7 @@ fn edits_come_back_after_a_crash_and_go_with_a_save() {
     assert_eq!(project, after(12));
 
     let stamp = save_with(&path, &project, Replace::IfUnchanged(stamp), |s| {
-        journal.saving(s)
+        journal.saving(s);
     });
     // A crash between the replacement and the journal's end: the file has the edits already.
     let stamp = stamp.unwrap();

@@ -79,6 +79,7 @@ fn change() -> impl Strategy<Value = Change> {
 }
 
 /// Any edit of elements, scenarios and bookmarks, many of which do not fit.
+#[expect(clippy::too_many_lines, reason = "one arm for each edit")]
 fn edit() -> impl Strategy<Value = Edit> {
     let place = || prop::option::of(scenario_id());
     let index = || prop::option::of(0..6_usize);
@@ -290,6 +291,7 @@ proptest! {
                 | Edit::SetElementVisible { scenario, .. }
                 | Edit::SetElementLocked { scenario, .. }
                 | Edit::SetElementStyle { scenario, .. } => *scenario = place,
+                #[expect(clippy::wildcard_enum_match_arm, reason = "they act in no base")]
                 _ => return Ok(()),
             }
         }
@@ -371,11 +373,11 @@ fn one_moved_vertex_is_a_difference_of_one_line_and_one_step_with_its_name() {
     let (mut project, mut history) = (small(), History::default());
     let before = project.to_json();
     let mut element = (*project.elements[1]).clone();
-    let list = &mut element.vertex_lists_mut()[0];
+    let list = element.vertex_lists_mut().remove(0);
     let mut outline = list.to_vec();
     outline[2].lon_deg = 0.0125;
     outline[2].height_m = Some(7.5);
-    **list = outline.into();
+    *list = outline.into();
     let element = Arc::new(element);
     let scenario = None;
     history
@@ -394,6 +396,29 @@ fn one_moved_vertex_is_a_difference_of_one_line_and_one_step_with_its_name() {
     assert_eq!(history.undo_label(), Some("Move vertex of B"));
     history.undo(&mut project).unwrap();
     assert_eq!(project.to_json(), before);
+}
+
+#[test]
+fn a_drag_in_a_scenario_is_one_small_step() {
+    for scenario in [None, Some(ScenarioId::from("two"))] {
+        let (mut project, mut history) = (small(), History::default());
+        let before = project.to_json();
+        history.begin_drag(&project);
+        for i in 0..100 {
+            let element = Arc::new(platform("b", f64::from(i)));
+            let scenario = scenario.clone();
+            history
+                .apply(&mut project, Edit::ReplaceElement { scenario, element })
+                .unwrap();
+        }
+        history.end_drag(&project);
+        assert_eq!(history.position(), 1);
+        assert!(history.bytes() < 5000, "{} bytes", history.bytes());
+        assert_eq!(history.undo_label(), Some("Surface of B"));
+        let edit = history.undo(&mut project).unwrap().unwrap();
+        assert!(!matches!(edit, Edit::Batch { .. }));
+        assert_eq!(project.to_json(), before);
+    }
 }
 
 #[test]
@@ -423,7 +448,7 @@ fn a_thousand_steps_of_a_long_outline_stay_within_the_memory_and_are_undone() {
         .map(|i| Vertex::new(f64::from(i) * 1e-5, 0.0))
         .collect();
     let mut long = platform("long", 1.0);
-    *long.vertex_lists_mut()[0] = outline.into();
+    *long.vertex_lists_mut().remove(0) = outline.into();
     let mut project = small();
     let element = Arc::new(long.clone());
     let (scenario, index) = (None, None);

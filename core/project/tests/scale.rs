@@ -61,10 +61,10 @@ fn ten_thousand_elements_come_back_and_a_thousand_steps_are_undone() {
     let start = Instant::now();
     for i in 0..1000 {
         let mut element = (*project.elements[i * 7]).clone();
-        let list = &mut element.vertex_lists_mut()[0];
+        let list = element.vertex_lists_mut().remove(0);
         let mut outline = list.to_vec();
         outline[3].lon_deg += 1e-5;
-        **list = outline.into();
+        *list = outline.into();
         let element = Arc::new(element);
         let scenario = (i % 2 == 0).then(|| "s".into());
         history

@@ -73,7 +73,7 @@ fn what_nothing_names_any_more_goes_with_the_next_save() {
     let foreign = side_folder(&path).join("notes.txt");
     fs::write(&foreign, "mine").unwrap();
     save_atomic(&path, &project(&[3]), Replace::Always).unwrap();
-    assert_eq!(files(&path), [foreign.clone()]);
+    assert_eq!(files(&path), std::slice::from_ref(&foreign));
     fs::remove_file(foreign).unwrap();
     save_atomic(&path, &project(&[3]), Replace::Always).unwrap();
     assert!(!side_folder(&path).exists());

@@ -36,7 +36,7 @@ pub(super) struct Keeper {
     /// Why there is no journal.
     problem: Option<String>,
     /// `None` where the folder is read-only.
-    lock: Option<ProjectLock>,
+    _lock: Option<ProjectLock>,
 }
 
 impl Keeper {
@@ -55,7 +55,7 @@ impl Keeper {
             options,
             journal: None,
             problem: None,
-            lock,
+            _lock: lock,
         })
     }
 

@@ -7,6 +7,10 @@ use crate::{
 
 impl Edit {
     /// The planning element it touches and in which scenario (`None`: the base), where it touches one.
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the others touch no element"
+    )]
     pub fn element(&self) -> Option<(Option<&ScenarioId>, &ElementId)> {
         match self {
             Self::AddElement {
@@ -24,6 +28,10 @@ impl Edit {
         }
     }
 
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the others bring one or take it away"
+    )]
     pub(super) fn affected_element(&self) -> Option<Affects> {
         let (scenario, id) = self.element()?;
         let aspect = match self {
@@ -43,6 +51,10 @@ impl Edit {
     }
 
     /// As [`Edit::label`].
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the others have their labels already"
+    )]
     pub(super) fn planning_label(&self, project: &Project) -> String {
         let name = |what: &str| format!("{what} {}", self.element_name(project));
         let scenario = |what: &str, id: &ScenarioId| {

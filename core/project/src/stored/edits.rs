@@ -27,6 +27,7 @@ macro_rules! stored_edits {
 
         /// One edit.
         #[derive(Clone, Debug, PartialEq)]
+        #[expect(clippy::large_enum_variant, reason = "read and written one at a time")]
         pub(crate) enum StoredEdit {
             $($(#[$doc])* $name($name),)*
         }

@@ -88,8 +88,7 @@ fn in_file(value: Value, at: &At<'_>) -> Result<StoredVertices, Fault> {
 fn vertex(item: &Value, at: &At<'_>) -> Result<Vertex, Fault> {
     const EXPECTED: &str = "[longitude, latitude] in degrees, or with a height in metres";
     let numbers = match item.as_array().map(Vec::as_slice) {
-        Some([lon, lat]) => (lon.as_f64(), lat.as_f64(), Some(None)),
-        Some([lon, lat, Value::Null]) => (lon.as_f64(), lat.as_f64(), Some(None)),
+        Some([lon, lat] | [lon, lat, Value::Null]) => (lon.as_f64(), lat.as_f64(), Some(None)),
         Some([lon, lat, height]) => (lon.as_f64(), lat.as_f64(), height.as_f64().map(Some)),
         _ => return Err(at.fault(EXPECTED, describe(item))),
     };

@@ -640,6 +640,7 @@ pub(crate) fn apart(edit: &Edit) -> (Cow<'_, Edit>, Vec<&Element>) {
         let elements = changes.iter().filter_map(|change| change.element());
         elements.map(|element| &**element).collect()
     }
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the others hold no element")]
     fn elements(edit: &Edit) -> Vec<&Element> {
         match edit {
             Edit::AddElement { element, .. } | Edit::ReplaceElement { element, .. } => {
@@ -669,10 +670,9 @@ pub(crate) fn apart(edit: &Edit) -> (Cow<'_, Edit>, Vec<&Element>) {
 /// The edit with lists of vertices left empty, which are checked already.
 fn without_vertices(edit: &Edit) -> Cow<'_, Edit> {
     let bare = |element: &mut Arc<Element>| {
-        let lists = Arc::make_mut(element).vertex_lists_mut();
-        lists
-            .into_iter()
-            .for_each(|list| *list = Vertices::default());
+        for list in Arc::make_mut(element).vertex_lists_mut() {
+            *list = Vertices::default();
+        }
     };
     let bare_change = |change: &mut Change| {
         if let ChangeKind::Add { element, .. } | ChangeKind::Replace { element, .. } =
