@@ -259,9 +259,36 @@ impl Resolving {
     }
 }
 
-/// Carries the changes of one scenario out. Changes that keep the order cost a look-up each.
+/// Carries changes out that keep the order, in one pass over the elements.
+fn resolve_in_place(elements: Vec<Arc<Element>>, changes: &[Change]) -> Vec<Arc<Element>> {
+    let mut left: HashMap<&ElementId, &Change> = changes
+        .iter()
+        .filter_map(|change| Some((change.element_id()?, change)))
+        .collect();
+    let mut resolved = Vec::with_capacity(elements.len() + changes.len());
+    for element in elements {
+        match left.remove(&element.id) {
+            None => resolved.push(element),
+            Some(change) => resolved.extend(change.element().cloned()),
+        }
+    }
+    let added = changes.iter().filter_map(Change::element);
+    resolved.extend(added.filter(|e| left.contains_key(&e.id)).cloned());
+    resolved
+}
+
+/// Carries the changes of one scenario out, each element at most once.
 pub(crate) fn resolve(elements: Vec<Arc<Element>>, changes: &[Change]) -> Vec<Arc<Element>> {
     const FEW: usize = 4;
+    let has_place = |change: &Change| {
+        matches!(
+            change.kind,
+            ChangeKind::Add { index: Some(_), .. } | ChangeKind::Replace { index: Some(_), .. }
+        )
+    };
+    if !changes.iter().any(has_place) {
+        return resolve_in_place(elements, changes);
+    }
     let places = (changes.len() > FEW).then(|| {
         let all = elements.iter().enumerate();
         all.map(|(place, e)| (e.id.clone(), place)).collect()

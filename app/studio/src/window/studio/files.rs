@@ -128,7 +128,11 @@ impl Studio {
             Err(SaveProjectError::ChangedOnDisk { .. }) => {
                 self.dialog = Some(Dialog::ChangedOnDisk);
             }
-            Err(error @ (SaveProjectError::Write { .. } | SaveProjectError::Exists { .. })) => {
+            Err(
+                error @ (SaveProjectError::Write { .. }
+                | SaveProjectError::TooLarge { .. }
+                | SaveProjectError::Exists { .. }),
+            ) => {
                 self.after_save = None;
                 self.log.add(Weight::Error, error.to_string());
                 self.layout.open(Pane::Messages);
