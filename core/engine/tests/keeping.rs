@@ -9,7 +9,7 @@ use std::time::Duration;
 use relievo_engine::project::{
     Change, ChangeKind, Edit, Element, ElementKind, JournalOptions, Layer, LayerKind,
     LayerOverride, LockError, Noise, NoiseLayer, Polygon, Project, Replace, Scenario, SurfaceKind,
-    Vertex, save_atomic,
+    Vertex, abandoned, save_atomic,
 };
 use relievo_engine::{Engine, EngineOptions, Guarded};
 
@@ -99,6 +99,51 @@ fn unsaved_edits_are_offered_again_replayed_and_gone_after_a_save() {
     }
     let names = std::fs::read_dir(folder.path()).unwrap();
     assert_eq!(names.count(), 2, "nothing is left behind");
+}
+
+#[test]
+fn a_project_without_a_name_survives_too() {
+    let state = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let untitled = || {
+        let mut engine = Engine::new(Project::default(), folder.path(), options()).unwrap();
+        engine.guard_untitled(state.path(), journal()).unwrap();
+        engine
+    };
+    let add = Edit::AddLayer {
+        index: None,
+        layer: Box::new(hills()),
+    };
+    // One is left without an edit, one is dismissed, one crashes.
+    drop(untitled());
+    let mut engine = untitled();
+    engine.apply(add.clone()).unwrap();
+    engine.forget_unsaved();
+    drop(engine);
+    let mut engine = untitled();
+    engine.apply(add).unwrap();
+    assert!(abandoned(state.path()).is_empty(), "it is open");
+    drop(engine);
+
+    let found = abandoned(state.path());
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].folder, folder.path());
+    let (project, stamp) = relievo_engine::project::open(&found[0].path).unwrap();
+    let mut engine = Engine::new(project, &found[0].folder, options()).unwrap();
+    let options = JournalOptions {
+        state_folder: Some(state.path().to_owned()),
+        ..journal()
+    };
+    let guarded = engine.guard(&found[0].path, stamp, options);
+    engine.recover(&guarded.offer.unwrap());
+    assert_eq!(engine.project().layers, [hills()]);
+    let path = folder.path().join("named.relievo");
+    engine.save(&path, Replace::Never).unwrap();
+    drop(engine);
+    assert!(abandoned(state.path()).is_empty());
+    let left = std::fs::read_dir(state.path().join("journals")).unwrap();
+    assert_eq!(left.count(), 0, "nothing is left behind");
+    assert!(open(&path).1.offer.is_none());
 }
 
 #[test]

@@ -8,6 +8,7 @@
 //! the file already has.
 
 mod reader;
+mod untitled;
 mod writer;
 
 use std::io;
@@ -18,6 +19,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 pub use reader::{Recovery, RecoveryError};
+pub use untitled::{Abandoned, abandoned, forget_untitled, is_untitled, keep_untitled};
 
 use crate::{Edit, FileStamp};
 

@@ -45,7 +45,10 @@ pub use file::{
 };
 pub use history::History;
 pub use id::{ElementId, LayerId, ScenarioId};
-pub use journal::{Journal, JournalOptions, Recovery, RecoveryError};
+pub use journal::{
+    Abandoned, Journal, JournalOptions, Recovery, RecoveryError, abandoned, forget_untitled,
+    is_untitled, keep_untitled,
+};
 pub use json::{MOST_BYTES, schema, schema_text};
 pub use layer::{
     Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer,

@@ -4,7 +4,9 @@
 
 use std::path::Path;
 
-use relievo_project::{Affects, Aspect, Edit, EditError, FileStamp, Replace, SaveProjectError};
+use relievo_project::{
+    Affects, Aspect, Edit, EditError, FileStamp, Replace, SaveProjectError, ScenarioId,
+};
 
 use super::Engine;
 use super::options::{EngineOptions, OpenError, folder_of};
@@ -126,12 +128,22 @@ impl Engine {
         Ok(stamp)
     }
 
+    /// Whether what a scenario changes is part of what is shown.
+    fn is_shown(&self, scenario: &ScenarioId) -> bool {
+        let shown = self.project.lineage(self.project.scenario.as_ref());
+        shown.iter().any(|s| s.id == *scenario)
+    }
+
     fn changed(&mut self, affects: &[Affects]) {
         for affect in affects {
             match affect {
                 Affects::Layer { aspect, .. } | Affects::Element { aspect, .. }
                     if !aspect.is_visible() => {}
                 Affects::ScenarioName | Affects::Bookmarks => {}
+                Affects::Element {
+                    scenario: Some(scenario),
+                    ..
+                } if !self.is_shown(scenario) => {}
                 Affects::Element { .. }
                 | Affects::Scenario { .. }
                 | Affects::Base

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use relievo_project::{
     Edit, EditError, FileStamp, Journal, JournalOptions, LockError, ProjectLock, Recovery,
-    RecoveryError,
+    RecoveryError, SaveProjectError, forget_untitled, is_untitled,
 };
 
 use super::Engine;
@@ -69,6 +69,17 @@ impl Keeper {
         self.journal.as_ref()
     }
 
+    /// Throws the journal away, and all of a project that never got a name.
+    fn forget(self) {
+        if let Some(journal) = self.journal {
+            journal.discard();
+        }
+        let state_folder = self.options.state_folder.as_deref();
+        if state_folder.is_some_and(|folder| is_untitled(&self.path, folder)) {
+            forget_untitled(&self.path);
+        }
+    }
+
     fn record(&mut self, edit: &Edit) {
         if let Some(journal) = self.journal() {
             journal.record(edit);
@@ -110,6 +121,31 @@ impl Engine {
                 ..Guarded::default()
             },
         }
+    }
+
+    /// Guards a project that has no file yet: its beginning and its journal lie in the state folder
+    /// until it is saved under a name or [`Self::forget_unsaved`] is called. After a crash
+    /// [`abandoned`](relievo_project::abandoned) lists it; such a file is opened and guarded like any.
+    ///
+    /// # Errors
+    /// Where nothing can be written there; edits are then not kept safe.
+    pub fn guard_untitled(
+        &mut self,
+        state_folder: &Path,
+        options: JournalOptions,
+    ) -> Result<(), SaveProjectError> {
+        let (path, stamp) =
+            relievo_project::keep_untitled(&self.project, &self.folder, state_folder)?;
+        let state_folder = Some(state_folder.to_owned());
+        self.guard(
+            &path,
+            stamp,
+            JournalOptions {
+                state_folder,
+                ..options
+            },
+        );
+        Ok(())
     }
 
     /// Applies the edits of a journal, each a step that can be undone, up to the first that does not
@@ -154,8 +190,8 @@ impl Engine {
     /// Ends the guard and throws its journal away: the project is closed and its unsaved edits are not
     /// wanted. An engine that is only dropped leaves the journal, and the edits are offered again.
     pub fn forget_unsaved(&mut self) {
-        if let Some(journal) = self.keeper.take().and_then(|keeper| keeper.journal) {
-            journal.discard();
+        if let Some(keeper) = self.keeper.take() {
+            keeper.forget();
         }
     }
 
@@ -193,11 +229,8 @@ impl Engine {
             return;
         }
         let options = keeper.options.clone();
-        if let Some(journal) = keeper.journal.take() {
-            journal.discard();
-        }
         // Its lock goes first, so that saving under a name and back again works.
-        self.keeper = None;
+        self.forget_unsaved();
         self.keeper = Keeper::new(path, stamp, options).ok();
     }
 }
