@@ -315,7 +315,6 @@ impl Project {
     }
 
     /// Edits of elements, scenarios and bookmarks.
-    #[expect(clippy::too_many_lines, reason = "one arm for each edit")]
     #[expect(
         clippy::wildcard_enum_match_arm,
         reason = "the caller has the arms of the others"

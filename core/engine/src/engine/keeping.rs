@@ -132,19 +132,12 @@ impl Engine {
     pub fn guard_untitled(
         &mut self,
         state_folder: &Path,
-        options: JournalOptions,
+        mut options: JournalOptions,
     ) -> Result<(), SaveProjectError> {
         let (path, stamp) =
             relievo_project::keep_untitled(&self.project, &self.folder, state_folder)?;
-        let state_folder = Some(state_folder.to_owned());
-        self.guard(
-            &path,
-            stamp,
-            JournalOptions {
-                state_folder,
-                ..options
-            },
-        );
+        options.state_folder = Some(state_folder.to_owned());
+        self.guard(&path, stamp, options);
         Ok(())
     }
 

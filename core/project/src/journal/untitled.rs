@@ -113,6 +113,7 @@ fn folder_file(path: &Path) -> PathBuf {
 }
 
 #[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "other systems take text only")]
 fn path_of(bytes: Vec<u8>) -> Option<PathBuf> {
     use std::os::unix::ffi::OsStringExt as _;
     Some(PathBuf::from(OsString::from_vec(bytes)))
