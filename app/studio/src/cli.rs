@@ -8,6 +8,7 @@ mod bake;
 mod cache;
 mod check;
 mod info;
+mod measure;
 mod new;
 mod progress;
 mod project;
@@ -64,6 +65,10 @@ enum Command {
     Check(check::Arguments),
     New(new::Arguments),
     Apply(apply::Arguments),
+    Profile(measure::profile::Arguments),
+    Contours(measure::contours::Arguments),
+    Viewshed(measure::viewshed::Arguments),
+    Flood(measure::flood::Arguments),
     Schema(schema::Arguments),
 }
 
@@ -195,6 +200,10 @@ fn carry_out(
         (None, Some(Command::Check(a))) => check::run(&a, context),
         (None, Some(Command::New(a))) => new::run(&a, context),
         (None, Some(Command::Apply(a))) => apply::run(&a, context),
+        (None, Some(Command::Profile(a))) => measure::profile::run(&a, context),
+        (None, Some(Command::Contours(a))) => measure::contours::run(&a, context),
+        (None, Some(Command::Viewshed(a))) => measure::viewshed::run(&a, context),
+        (None, Some(Command::Flood(a))) => measure::flood::run(&a, context),
         (None, Some(Command::Schema(a))) => schema::run(&a, context),
     }
 }

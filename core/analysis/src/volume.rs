@@ -19,11 +19,12 @@ pub trait Change: Sync {
     /// Whether both are known, without evaluating them, to be equal on all samples of a grid.
     fn same(&self, grid: &Grid) -> bool;
 
-    /// Heights before and after, each as [`Ground::heights`].
+    /// Heights before and after in metres, each in the order of [`Ground::heights`], NaN where there
+    /// are none.
     ///
     /// # Errors
     /// As [`Ground::heights`].
-    fn heights(&self, grid: &Grid) -> Result<(Vec<f32>, Vec<f32>), AnalysisError>;
+    fn heights(&self, grid: &Grid) -> Result<(Vec<f64>, Vec<f64>), AnalysisError>;
 }
 
 /// Two grounds that know nothing of each other.
@@ -44,8 +45,12 @@ impl Change for Between<'_> {
         false
     }
 
-    fn heights(&self, grid: &Grid) -> Result<(Vec<f32>, Vec<f32>), AnalysisError> {
-        Ok((self.before.heights(grid)?, self.after.heights(grid)?))
+    fn heights(&self, grid: &Grid) -> Result<(Vec<f64>, Vec<f64>), AnalysisError> {
+        let exact = |heights: Vec<f32>| heights.into_iter().map(f64::from).collect();
+        Ok((
+            exact(self.before.heights(grid)?),
+            exact(self.after.heights(grid)?),
+        ))
     }
 }
 

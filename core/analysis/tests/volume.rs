@@ -223,7 +223,7 @@ fn what_is_equal_costs_nothing_and_changes_nothing() {
         fn heights(
             &self,
             _grid: &relievo_planet::Grid,
-        ) -> Result<(Vec<f32>, Vec<f32>), AnalysisError> {
+        ) -> Result<(Vec<f64>, Vec<f64>), AnalysisError> {
             panic!("nothing is evaluated")
         }
     }

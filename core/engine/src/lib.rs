@@ -3,6 +3,7 @@
 //! Invariants: only [`Engine::apply`] (and undo, redo) changes a project; nothing here waits for a
 //! tile on the caller's thread; nothing here knows a window or a GPU.
 
+pub mod analysis;
 pub mod bake;
 mod compile;
 pub mod engine;

@@ -78,18 +78,24 @@ impl Scene {
     /// Finest level n that is worth showing in windows of `size` samples around a focus: some source
     /// as fine as the level reaches into its window. A coarser level shows the same, magnified.
     pub(crate) fn finest_near(&self, focus: MapPoint, size: u32) -> u8 {
-        let reaches = |n: u8, node: NodeIndex| {
+        self.finest_in(|n| {
             let level = LevelKey::new(
                 columns_exponent(n, focus.colat_rad, reach_rad(n, size), size),
                 n,
             );
-            let grid = Grid::new(
+            Grid::new(
                 Arc::new(level.lattice()),
                 Window::place(level, focus, size).rect,
-            );
+            )
+        })
+    }
+
+    /// Finest level n for which some source as fine as that reaches into a grid of the level.
+    pub(crate) fn finest_in(&self, grid_of: impl Fn(u8) -> Grid) -> u8 {
+        let reaches = |n: u8, node: NodeIndex| {
             !self
                 .graph
-                .known(node, &grid)
+                .known(node, &grid_of(n))
                 .is_absent(self.graph.node(node).output())
         };
         (0..=self.finest())

@@ -25,6 +25,21 @@ pub(crate) fn place(text: &str) -> Result<Place, String> {
     Ok(Place { lon_deg, lat_deg })
 }
 
+/// Places joined to a line.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Line(pub(crate) Vec<Place>);
+
+/// Reads `LON,LAT;LON,LAT...`.
+pub(crate) fn line(text: &str) -> Result<Line, String> {
+    let places: Result<Vec<Place>, String> = text.split(';').map(place).collect();
+    match places?.as_slice() {
+        [] | [_] => Err(format!(
+            "expected LON,LAT;LON,LAT... of at least 2 places, found {text:?}"
+        )),
+        places => Ok(Line(places.to_vec())),
+    }
+}
+
 /// Reads `W,S,E,N`.
 pub(crate) fn bounds(text: &str) -> Result<[f64; 4], String> {
     numbers(text, "W,S,E,N in units of the coordinate system")
@@ -79,6 +94,8 @@ mod tests {
             })
         );
         assert_eq!(size("1280x960"), Ok([1280, 960]));
+        assert_eq!(line("1,2;-3,4").map(|l| l.0.len()), Ok(2));
+        assert!(line("1,2").is_err() && line("1,2;").is_err());
         assert_eq!(bounds("1,2,3,-4e1"), Ok([1.0, 2.0, 3.0, -40.0]));
         for wrong in [
             place("1").err(),

@@ -126,7 +126,7 @@ impl Patch {
             .iter()
             .zip(&after)
             .map(|(b, a)| {
-                let d = f64::from(*a) - f64::from(*b);
+                let d = a - b;
                 if d.is_finite() { d } else { 0.0 }
             })
             .collect();
@@ -142,7 +142,7 @@ impl Patch {
         let mut error = fine.apart(&coarse);
         error.add(&at_edges);
         let largest = after.iter().map(|h| h.abs()).filter(|h| h.is_finite());
-        let largest_m = largest.fold(0.0_f32, f32::max);
+        let largest_m = largest.fold(0.0, f64::max);
         let (highest_m, highest_bound_m) = surface.highest();
         Ok(Self {
             place,
@@ -150,7 +150,7 @@ impl Patch {
             error,
             highest_m,
             highest_bound_m,
-            rounding_m: f64::from(largest_m) * 2.0 * f64::from(f32::EPSILON) / 2.0,
+            rounding_m: largest_m * f64::from(f32::EPSILON),
         })
     }
 }
@@ -160,7 +160,7 @@ struct Surface<'a> {
     place: Place,
     /// After minus before, 0 where either is missing.
     difference: &'a [f64],
-    after: &'a [f32],
+    after: &'a [f64],
     differs_m: f64,
 }
 
@@ -236,7 +236,7 @@ impl Surface<'_> {
     /// Area of the surface after per area of plan, and its mean angle against the horizontal, in a cell;
     /// level where a height is missing.
     fn steepness(&self, nodes: [usize; 4], side_m: f64) -> (f64, f64) {
-        let h = nodes.map(|i| f64::from(self.after[i]));
+        let h = nodes.map(|i| self.after[i]);
         if h.iter().any(|h| !h.is_finite()) {
             return (1.0, 0.0);
         }

@@ -1,0 +1,63 @@
+//! `relievo flood`: still water at a level.
+
+use std::path::PathBuf;
+
+use relievo_engine::analysis::FloodSettings;
+use relievo_engine::planet::MapPoint;
+use serde_json::json;
+
+use super::super::units::{self, Place};
+use super::super::{Context, Failure, project};
+use super::{deliver, geojson, measured};
+
+/// Flood the ground around a place with still water.
+///
+/// Water stands at a level and covers what lies below it and is joined to the place. Prints area, volume,
+/// greatest depth and length of the shore as JSON; with -o the shore is written as GeoJSON.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The project.
+    #[arg(value_name = "PROJECT")]
+    project: PathBuf,
+    /// A place under water, in degrees, longitude east.
+    #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = units::place)]
+    at: Place,
+    /// Height of the water in metres above the datum.
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    level: f64,
+    /// The shore to write.
+    #[arg(short = 'o', value_name = "OUT.geojson")]
+    file: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
+    if let Some(file) = &arguments.file {
+        super::check_extension(file, &["geojson", "json"])?;
+    }
+    let engine = project::open_complete(&arguments.project, context)?;
+    let seed = MapPoint::from_degrees(arguments.at.lon_deg, arguments.at.lat_deg);
+    let settings = FloodSettings::to(arguments.level);
+    let found = measured("flooding", &arguments.project, context, |task| {
+        engine.questions().flood(seed, &settings, task)
+    })?;
+    if arguments.file.is_some() {
+        let shore = geojson::collection(&found.shore, |line| json!({ "height_m": line.height_m }));
+        deliver(
+            format!("{shore}\n").as_bytes(),
+            arguments.file.as_ref(),
+            &arguments.project,
+            &engine,
+            context,
+        )?;
+    }
+    let line = json!({
+        "level_m": found.level_m,
+        "area_m2": found.area_m2,
+        "volume_m3": found.volume_m3,
+        "deepest_m": found.deepest_m,
+        "shore_m": found.shore_m,
+        "spacing_m": found.spacing_m,
+    });
+    writeln!(context.out, "{line}")?;
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! `relievo viewshed`: what can be seen from a place.
+
+use std::path::PathBuf;
+
+use relievo_engine::analysis::{Sight, Viewshed, ViewshedSettings};
+use relievo_engine::planet::MapPoint;
+use relievo_engine::raster::write::{Png, write_png};
+use relievo_engine::raster::{Bands, Block};
+use serde_json::json;
+
+use super::super::units::{self, Place};
+use super::super::{Context, Failure, project};
+use super::{measured, threads};
+
+/// Show what can be seen from a place.
+///
+/// Every sample within the radius has a line of sight of its own over the ground at the data's
+/// resolution, with the curvature of the planet and refraction. Prints areas as JSON; with -o a picture is
+/// written, north up and the place in the middle: yellow what is seen, dark what is hidden.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The project.
+    #[arg(value_name = "PROJECT")]
+    project: PathBuf,
+    /// Where the eye is, in degrees, longitude east.
+    #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = units::place)]
+    at: Place,
+    /// How far to look in metres.
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = units::positive)]
+    radius: f64,
+    /// Metres of the eye above the ground.
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 1.7,
+        allow_hyphen_values = true
+    )]
+    eye: f64,
+    /// Metres above the ground of what should be seen.
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    target: f64,
+    /// How much of the planet's curvature refraction takes away, -1 to 1.
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 0.13,
+        allow_hyphen_values = true
+    )]
+    refraction: f64,
+    /// Metres between samples. Default: the spacing of the data.
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = units::positive)]
+    spacing: Option<f64>,
+    /// The picture to write.
+    #[arg(short = 'o', value_name = "OUT.png")]
+    file: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
+    if let Some(file) = &arguments.file {
+        super::check_extension(file, &["png"])?;
+    }
+    let engine = project::open_complete(&arguments.project, context)?;
+    if let Some(file) = &arguments.file {
+        project::check_output(file, &[&arguments.project], &engine)?;
+    }
+    let observer = MapPoint::from_degrees(arguments.at.lon_deg, arguments.at.lat_deg);
+    let settings = ViewshedSettings {
+        observer_height_m: arguments.eye,
+        target_height_m: arguments.target,
+        refraction: arguments.refraction,
+        spacing_m: arguments.spacing,
+        threads: threads(context),
+        ..ViewshedSettings::within(arguments.radius)
+    };
+    let found = measured("viewshed", &arguments.project, context, |task| {
+        engine.questions().viewshed(observer, &settings, task)
+    })?;
+    if let Some(file) = &arguments.file {
+        write_png(file, &picture(&found), Png::Rgba8).map_err(Failure::system)?;
+    }
+    let line = json!({
+        "visible_m2": found.visible_m2,
+        "area_m2": found.area_m2,
+        "ground_m": found.ground_m,
+        "spacing_m": found.spacing_m,
+        "samples_across": found.side(),
+    });
+    writeln!(context.out, "{line}")?;
+    Ok(())
+}
+
+fn picture(viewshed: &Viewshed) -> Block {
+    let side = viewshed.side();
+    let mut picture = Block::new(Bands::Colour, side, side);
+    let [red, green, blue, alpha] = picture.planes_mut();
+    for (i, sight) in viewshed.sights.iter().enumerate() {
+        let [r, g, b, a] = match sight {
+            Sight::Visible => [1.0, 0.85, 0.2, 1.0],
+            Sight::Hidden => [0.1, 0.12, 0.2, 1.0],
+            Sight::Outside => [0.0; 4],
+        };
+        (red[i], green[i], blue[i], alpha[i]) = (r, g, b, a);
+    }
+    picture
+}
