@@ -7,6 +7,7 @@ mod apply;
 mod bake;
 mod cache;
 mod check;
+mod compare;
 mod info;
 mod measure;
 mod new;
@@ -65,6 +66,7 @@ enum Command {
     Check(check::Arguments),
     New(new::Arguments),
     Apply(apply::Arguments),
+    Compare(compare::Arguments),
     Profile(measure::profile::Arguments),
     Contours(measure::contours::Arguments),
     Viewshed(measure::viewshed::Arguments),
@@ -200,6 +202,7 @@ fn carry_out(
         (None, Some(Command::Check(a))) => check::run(&a, context),
         (None, Some(Command::New(a))) => new::run(&a, context),
         (None, Some(Command::Apply(a))) => apply::run(&a, context),
+        (None, Some(Command::Compare(a))) => compare::run(&a, context),
         (None, Some(Command::Profile(a))) => measure::profile::run(&a, context),
         (None, Some(Command::Contours(a))) => measure::contours::run(&a, context),
         (None, Some(Command::Viewshed(a))) => measure::viewshed::run(&a, context),

@@ -3,7 +3,10 @@
 //! All are asked of [`Questions`], on any thread, and evaluate the graph on grids of their own at the
 //! data's resolution, so no answer depends on what is on the screen.
 
+mod compare;
+mod extent;
 mod ground;
+mod pictures;
 
 use relievo_planet::MapPoint;
 use relievo_raster::Cancel;
@@ -14,7 +17,9 @@ pub use relievo_analysis::{
     Sight, Viewshed, ViewshedSettings, VolumeSettings, Volumes, Watch,
 };
 
+pub use self::compare::{Comparison, ComparisonReport, ElementChange, Step, Version};
 pub(crate) use self::ground::SceneGround;
+pub use self::pictures::{DIFFERENCE_COLOURS, Picture, SitePictures};
 use crate::query::Questions;
 
 /// Somebody who waits for a measurement: asks to stop through a token, and hears of the progress.

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::{DVec2, I64Vec2};
 use relievo_analysis::{AnalysisError, Ground, MapBox};
-use relievo_graph::{NodeIndex, RenderError};
+use relievo_graph::NodeIndex;
 use relievo_planet::{Grid, Planet, SampleRect};
 use relievo_raster::Cancel;
 
+use super::compare::failed;
 use crate::scene::Scene;
 
 /// A node of heights, evaluated.
@@ -45,12 +46,6 @@ impl Ground for SceneGround<'_> {
 
     fn heights(&self, grid: &Grid) -> Result<Vec<f32>, AnalysisError> {
         let evaluated = self.scene.graph.evaluate(self.node, grid, self.cancel);
-        match evaluated {
-            Ok(block) => Ok(block.plane(0).to_vec()),
-            Err(RenderError::Cancelled) => Err(AnalysisError::Cancelled),
-            Err(error @ (RenderError::Read(_) | RenderError::Node { .. })) => {
-                Err(AnalysisError::Ground(Box::new(error)))
-            }
-        }
+        Ok(evaluated.map_err(failed)?.plane(0).to_vec())
     }
 }

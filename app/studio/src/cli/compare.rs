@@ -1,0 +1,103 @@
+//! `relievo compare`: what differs between two scenarios, in volumes and areas.
+
+mod html;
+mod table;
+
+use std::path::PathBuf;
+
+use relievo_engine::analysis::{MapBox, SitePictures, Version, VolumeSettings};
+use relievo_engine::project::Project;
+
+use super::measure::{check_extension, deliver, measured, threads};
+use super::{Context, Failure, project, units};
+
+/// Pictures across in a report, pixels.
+const PICTURE_WIDTH: u32 = 720;
+
+/// Places of which a report has pictures.
+const MOST_SITES: usize = 8;
+
+/// Measure what differs between two scenarios.
+///
+/// Per element and in total: cut, fill and net volume, plan and surface area, highest cut and fill, mean
+/// slope, each with its discretisation error. From A to B changes are made one after the other in the
+/// order of B's elements; a row is what that element's step changes.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The project.
+    #[arg(value_name = "PROJECT")]
+    project: PathBuf,
+    /// The scenario before: its name or id, base, or ground for the base without elements.
+    #[arg(long, value_name = "NAME", default_value = "base")]
+    a: String,
+    /// The scenario after, likewise.
+    #[arg(long, value_name = "NAME")]
+    b: String,
+    /// The report to write: a page with pictures, JSON or a table. Default: JSON to standard output.
+    #[arg(short = 'o', value_name = "REPORT.html|REPORT.json|REPORT.csv")]
+    file: Option<PathBuf>,
+    /// An area to measure as a whole too, in degrees: for scenarios that show different layers.
+    #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true, value_parser = units::bounds)]
+    bounds: Option<[f64; 4]>,
+    /// Share of volumes and areas that their errors should not exceed.
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-3, allow_hyphen_values = true, value_parser = units::positive)]
+    tolerance: f64,
+}
+
+pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
+    let kind = match &arguments.file {
+        Some(file) => check_extension(file, &["html", "json", "csv"])?,
+        None => "json".to_owned(),
+    };
+    let bounds = arguments.bounds.map(MapBox::from_degrees).transpose();
+    let bounds = bounds.map_err(Failure::input)?;
+    let engine = project::open_complete(&arguments.project, context)?;
+    if let Some(file) = &arguments.file {
+        project::check_output(file, &[&arguments.project], &engine)?;
+    }
+    let [a, b] = [&arguments.a, &arguments.b].map(|name| version(engine.project(), name));
+    let (a, b) = (a?, b?);
+    let comparison = engine
+        .comparison(&a, &b, bounds.as_ref())
+        .map_err(|line| Failure::Input(format!("{line}: {:?}", arguments.project)))?;
+    let settings = VolumeSettings {
+        tolerance: arguments.tolerance,
+        threads: threads(context),
+        ..VolumeSettings::from_spacing(1e9)
+    };
+    let report = measured("comparing", &arguments.project, context, |task| {
+        comparison.measure(&settings, task)
+    })?;
+    let text = match kind.as_str() {
+        "csv" => table::csv(&report),
+        "html" => {
+            let mut sites: Vec<SitePictures> = Vec::new();
+            for site in 0..comparison.sites().min(MOST_SITES) {
+                sites.extend(measured("pictures", &arguments.project, context, |task| {
+                    comparison.pictures(site, PICTURE_WIDTH, task)
+                })?);
+            }
+            let title = arguments.project.file_stem().unwrap_or_default();
+            html::page(&title.to_string_lossy(), &report, &sites).map_err(Failure::system)?
+        }
+        _ => format!("{:#}\n", table::json(&report)),
+    };
+    deliver(
+        text.as_bytes(),
+        arguments.file.as_ref(),
+        &arguments.project,
+        &engine,
+        context,
+    )
+}
+
+/// The version that is called so.
+fn version(project: &Project, name: &str) -> Result<Version, Failure> {
+    Version::called(project, name).ok_or_else(|| {
+        let known: Vec<&str> = project.scenarios.iter().map(|s| s.name.as_str()).collect();
+        Failure::Input(format!(
+            "expected base, ground or a scenario ({}), found {name:?}",
+            if known.is_empty() { "there is none".to_owned() } else { known.join(", ") }
+        ))
+    })
+}
