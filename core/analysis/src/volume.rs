@@ -155,8 +155,13 @@ impl Volumes {
     pub fn and(&self, other: &Self) -> Self {
         let plan_area_m2 = self.plan_area_m2.and(other.plan_area_m2);
         let weighted = |amount: fn(&Self) -> f64| {
-            let sum = amount(self) * self.plan_area_m2.value + amount(other) * other.plan_area_m2.value;
-            if plan_area_m2.value > 0.0 { sum / plan_area_m2.value } else { 0.0 }
+            let sum =
+                amount(self) * self.plan_area_m2.value + amount(other) * other.plan_area_m2.value;
+            if plan_area_m2.value > 0.0 {
+                sum / plan_area_m2.value
+            } else {
+                0.0
+            }
         };
         Self {
             cut_m3: self.cut_m3.and(other.cut_m3),
@@ -171,7 +176,11 @@ impl Volumes {
                 error: weighted(|v| v.mean_slope_deg.error),
             },
             samples: self.samples + other.samples,
-            finest_m: if self.samples == 0 { other.finest_m } else { self.finest_m.min(other.finest_m) },
+            finest_m: if self.samples == 0 {
+                other.finest_m
+            } else {
+                self.finest_m.min(other.finest_m)
+            },
         }
     }
 }

@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     /// The report to write: a page with pictures, JSON or a table. Default: JSON to standard output.
     #[arg(short = 'o', value_name = "REPORT.html|REPORT.json|REPORT.csv")]
     file: Option<PathBuf>,
-    /// An area to measure as a whole too, in degrees: for scenarios that show different layers.
+    /// An area to measure as a whole too, in degrees (the square around it): for scenarios that show different layers.
     #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true, value_parser = units::bounds)]
     bounds: Option<[f64; 4]>,
     /// Share of volumes and areas that their errors should not exceed.
@@ -97,7 +97,11 @@ fn version(project: &Project, name: &str) -> Result<Version, Failure> {
         let known: Vec<&str> = project.scenarios.iter().map(|s| s.name.as_str()).collect();
         Failure::Input(format!(
             "expected base, ground or a scenario ({}), found {name:?}",
-            if known.is_empty() { "there is none".to_owned() } else { known.join(", ") }
+            if known.is_empty() {
+                "there is none".to_owned()
+            } else {
+                known.join(", ")
+            }
         ))
     })
 }

@@ -13,9 +13,7 @@ use relievo_analysis::{AnalysisError, Change, Ground, LocalFrame, MapBox, Region
 use relievo_analysis::{VolumeSettings, volumes};
 use relievo_graph::RenderError;
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet};
-use relievo_project::{
-    Element, ElementId, LayerKind, NoiseMode, Project, ScenarioId,
-};
+use relievo_project::{Element, ElementId, LayerKind, NoiseMode, Project, ScenarioId};
 use relievo_raster::Cancel;
 
 use super::extent::Extent;
@@ -165,8 +163,8 @@ pub(super) struct Site {
 }
 
 impl Engine {
-    /// Compiles two versions of the project and every step between them. `bounds` adds an area that is
-    /// measured as a whole, for versions that show different layers. Opens no file: those that are
+    /// Compiles two versions of the project and every step between them. `bounds` adds an area (the square
+    /// around it) that is measured as a whole, for versions that show different layers. Opens no file: those that are
     /// not open yet are left out, as in [`Engine::questions`].
     ///
     /// # Errors
@@ -232,17 +230,25 @@ impl Engine {
             }.to_owned());
         }
         if project.layers.iter().any(is_added_noise) {
-            notes.push("Noise that is added to other heights is left out of all measures.".to_owned());
+            notes.push(
+                "Noise that is added to other heights is left out of all measures.".to_owned(),
+            );
         }
         circles.extend(bounds.map(|area| circle_of(&planet, area)));
-        let reordered = from.iter().map(|e| &e.id).ne(state(&order, 0).map(|e| &e.id));
+        let reordered = from
+            .iter()
+            .map(|e| &e.id)
+            .ne(state(&order, 0).map(|e| &e.id));
         if reordered {
             notes.push("The order of elements differs: where they overlap, rows do not add up to the total.".to_owned());
         }
         Ok(Comparison {
             names: [a.name(project), b.name(project)],
             planet,
-            measured: [scene(&with_elements(&first, from.clone())), scene(&with_elements(&last, to.clone()))],
+            measured: [
+                scene(&with_elements(&first, from.clone())),
+                scene(&with_elements(&last, to.clone())),
+            ],
             shown: [
                 scene(&with_elements(&as_shown(project, a), from)),
                 scene(&with_elements(&as_shown(project, b), to)),
@@ -278,7 +284,7 @@ impl Comparison {
         let parts = (self.steps.len() + self.sites.len()).max(1) as f64;
         let mut notes = self.notes.clone();
         let mut elements = Vec::new();
-        let mut measure = |done: usize, scenes: &[Arc<Scene>; 2], site: &Site| {
+        let measure = |done: usize, scenes: &[Arc<Scene>; 2], site: &Site| {
             let progress = |share: f64| (task.progress)((done as f64 + share) / parts);
             let part = Task {
                 cancel: task.cancel,
@@ -415,7 +421,8 @@ pub(super) fn failed(error: RenderError) -> AnalysisError {
 }
 
 fn is_added_noise(layer: &relievo_project::Layer) -> bool {
-    let added = matches!(&layer.kind, LayerKind::Noise(noise) if noise.noise.mode == NoiseMode::Add);
+    let added =
+        matches!(&layer.kind, LayerKind::Noise(noise) if noise.noise.mode == NoiseMode::Add);
     layer.visible && added
 }
 
@@ -470,14 +477,16 @@ fn steps(from: &[Arc<Element>], to: &[Arc<Element>]) -> Vec<Entry> {
             behind.entry(last).or_default().push(element);
         }
     }
-    let gone = |id: Option<&ElementId>| {
-        behind.get(&id).into_iter().flatten().map(|element| Entry {
+    let gone = |id: Option<&ElementId>| -> Vec<Entry> {
+        let gone = behind.get(&id).into_iter().flatten();
+        gone.map(|element| Entry {
             before: Some(Arc::clone(element)),
             after: None,
             step: Some(Step::Removed),
         })
+        .collect()
     };
-    let mut order: Vec<Entry> = gone(None).collect();
+    let mut order: Vec<Entry> = gone(None);
     for element in to {
         let before = before.get(&element.id).map(|e| Arc::clone(e));
         let step = match &before {
@@ -577,7 +586,11 @@ fn clusters(planet: Planet, circles: Vec<Extent>) -> Vec<Site> {
 
 /// The smallest circle around two, nearly.
 fn joined(planet: &Planet, a: &Extent, b: &Extent) -> Extent {
-    let (large, small) = if a.radius_m >= b.radius_m { (a, b) } else { (b, a) };
+    let (large, small) = if a.radius_m >= b.radius_m {
+        (a, b)
+    } else {
+        (b, a)
+    };
     let between_m = planet.offset_m(large.centre, small.centre).length();
     let width_m = a.width_m.min(b.width_m);
     if between_m * 1.01 + small.radius_m <= large.radius_m {

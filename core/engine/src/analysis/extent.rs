@@ -57,7 +57,11 @@ impl Extent {
             centre,
             // Offsets are right to about 10⁻⁴ at 1000 km; a little more costs nothing.
             radius_m: (farthest_m + beside_m) * 1.01 + 1.0,
-            width_m: if width_m.is_finite() { width_m } else { beside_m },
+            width_m: if width_m.is_finite() {
+                width_m
+            } else {
+                beside_m
+            },
         })
     }
 }

@@ -77,12 +77,24 @@ impl SitePictures {
         let grid = Grid::new(Arc::new(lattice), rect);
         let view = |scene: &Scene| View::of(scene, &grid, cancel);
         let (a, b) = (view(&scenes[0])?, view(&scenes[1])?);
-        let differences: Vec<f32> = b.heights.iter().zip(&a.heights).map(|(b, a)| b - a).collect();
-        let largest = differences.iter().map(|d| d.abs()).filter(|d| d.is_finite());
+        let differences: Vec<f32> = b
+            .heights
+            .iter()
+            .zip(&a.heights)
+            .map(|(b, a)| b - a)
+            .collect();
+        let largest = differences
+            .iter()
+            .map(|d| d.abs())
+            .filter(|d| d.is_finite());
         let range_m = round_up(f64::from(largest.fold(0.0_f32, f32::max)));
         let difference = b.picture(width, height, |i| {
             let share = f64::from(differences[i]) / range_m;
-            if share.is_finite() { diverging(share) } else { PLAIN }
+            if share.is_finite() {
+                diverging(share)
+            } else {
+                PLAIN
+            }
         });
         let middle = region.frame.place(0.5 * (region.min_m + region.max_m));
         Ok(Self {
@@ -167,7 +179,9 @@ fn round_up(value: f64) -> f64 {
     }
     let power = 10.0_f64.powi(value.log10().floor() as i32);
     let steps = [1.0, 2.0, 5.0, 10.0];
-    let fits = steps.into_iter().find(|s| s * power >= value * (1.0 - 1e-9));
+    let fits = steps
+        .into_iter()
+        .find(|s| s * power >= value * (1.0 - 1e-9));
     fits.unwrap_or(10.0) * power
 }
 

@@ -58,7 +58,11 @@ pub(super) fn page(
     }
     html += "</tr></thead>\n<tbody>\n";
     for element in &report.elements {
-        let name = if element.name.is_empty() { &element.id.0 } else { &element.name };
+        let name = if element.name.is_empty() {
+            &element.id.0
+        } else {
+            &element.name
+        };
         let label = format!(
             "{}<span class=\"error\">{} {}</span>",
             escaped(name),
@@ -110,7 +114,11 @@ fn grouped(value: f64, digits: usize) -> String {
         }
         out.push(digit);
     }
-    if part.is_empty() { out } else { format!("{out}.{part}") }
+    if part.is_empty() {
+        out
+    } else {
+        format!("{out}.{part}")
+    }
 }
 
 fn pictures(site: &SitePictures, a: &str, b: &str) -> Result<String, png::EncodingError> {
@@ -137,7 +145,11 @@ fn pictures(site: &SitePictures, a: &str, b: &str) -> Result<String, png::Encodi
          <div class=\"ticks\"><span>−{range} m cut</span><span>0</span><span>+{range} m fill</span></div>",
         stops.join(",")
     );
-    html += &figure(&site.difference, &format!("Height of {b} minus {a}"), &legend)?;
+    html += &figure(
+        &site.difference,
+        &format!("Height of {b} minus {a}"),
+        &legend,
+    )?;
     Ok(html + "</div>\n")
 }
 
@@ -185,7 +197,13 @@ mod tests {
 
     #[test]
     fn bytes_are_written_as_rfc_4648_says() {
-        for (bytes, text) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foobar", "Zm9vYmFy"),
+        ] {
             assert_eq!(base64(bytes.as_bytes()), text);
         }
     }

@@ -42,7 +42,10 @@ fn quantities(volumes: &Volumes) -> Map<String, Value> {
     let mut row = Map::new();
     for (name, of, _) in QUANTITIES {
         let amount = of(volumes);
-        row.insert(name.to_owned(), json!({ "value": amount.value, "error": amount.error }));
+        row.insert(
+            name.to_owned(),
+            json!({ "value": amount.value, "error": amount.error }),
+        );
     }
     row.insert("finest_spacing_m".to_owned(), json!(volumes.finest_m));
     row.insert("samples".to_owned(), json!(volumes.samples));
@@ -64,7 +67,12 @@ pub(super) fn csv(report: &ComparisonReport) -> String {
         text.push('\n');
     };
     for element in &report.elements {
-        let cells = [&element.id.0, element.name.as_str(), &element.kind, element.step.name()];
+        let cells = [
+            &element.id.0,
+            element.name.as_str(),
+            &element.kind,
+            element.step.name(),
+        ];
         row(cells, &element.volumes);
     }
     row(["", "total", "", ""], &report.total);

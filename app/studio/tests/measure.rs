@@ -1,0 +1,219 @@
+//! Measuring commands as scripts see them.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::path::Path;
+
+use relievo_engine::raster::Cancel;
+use serde_json::Value;
+
+/// Runs the program; its exit code, results, and what it says is wrong.
+fn relievo(arguments: &[&str]) -> (u8, String, String) {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let all = ["relievo"].iter().chain(arguments).copied();
+    let code = relievo::cli::run(all, &mut out, &mut err, &Cancel::default());
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (code, text(out), text(err))
+}
+
+/// A run that must succeed; its results.
+fn good(arguments: &[&str]) -> String {
+    let (code, out, err) = relievo(arguments);
+    assert_eq!((code, err.as_str()), (0, ""), "{arguments:?}");
+    out
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// Rolling hills, and a scenario in which they are twice as high.
+fn hills(folder: &Path) -> String {
+    let path = folder.join("hills.relievo");
+    let project = r#"{"version": 1, "layers": [
+        {"id": "hills", "name": "Hills", "kind": "noise", "mode": "replace", "amplitude_m": 100.0,
+         "wavelength_m": 20000.0, "octaves": 2, "offset_m": 500.0},
+        {"id": "higher", "name": "Higher", "kind": "noise", "mode": "replace", "amplitude_m": 200.0,
+         "wavelength_m": 20000.0, "octaves": 2, "offset_m": 500.0, "visible": false}],
+      "scenarios": [{"id": "s1", "name": "Higher hills", "layers": [{"id": "higher", "visible": true}]}]}"#;
+    std::fs::write(&path, project).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("expected a number, found {value}"))
+}
+
+#[test]
+fn a_profile_is_a_table_and_a_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = hills(folder.path());
+    let table = folder.path().join("line.csv");
+    let line = [
+        "profile",
+        &project,
+        "--line",
+        "10,5;10.2,5;10.2,5.1",
+        "--spacing",
+        "500",
+    ];
+    let written = [&line[..], &["-o", table.to_str().unwrap()]].concat();
+    let summary = json(&good(&written));
+    let text = std::fs::read_to_string(&table).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("distance_m,lon_deg,lat_deg,height_m,slope_percent")
+    );
+    let rows: Vec<Vec<f64>> = lines
+        .map(|l| l.split(',').map(|v| v.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(number(&summary["points"]) as usize, rows.len());
+    let last = rows.last().unwrap();
+    assert!((last[0] - number(&summary["length_m"])).abs() < 0.01);
+    assert!((last[1] - 10.2).abs() < 1e-6 && (last[2] - 5.1).abs() < 1e-6);
+    // 0.2° along a circle of latitude and 0.1° along a meridian.
+    assert!(
+        (last[0] - (22_178.0 + 11_057.0)).abs() < 50.0,
+        "{}",
+        last[0]
+    );
+    assert!(
+        number(&summary["climb_m"]) > 1.0 && rows.iter().all(|r| (300.0..700.0).contains(&r[3]))
+    );
+    assert_eq!(good(&line), text, "without -o the table is printed");
+}
+
+#[test]
+fn contours_are_geojson_at_whole_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = hills(folder.path());
+    let found = good(&[
+        "contours",
+        &project,
+        "--bounds",
+        "10,5,10.3,5.3",
+        "--interval",
+        "20",
+    ]);
+    let found = json(&found);
+    let features = found["features"].as_array().unwrap();
+    assert!(features.len() > 2);
+    for feature in features {
+        let height_m = number(&feature["properties"]["height_m"]);
+        assert_eq!(height_m % 20.0, 0.0);
+        assert_eq!(feature["geometry"]["type"], "LineString");
+        let first = &feature["geometry"]["coordinates"][0];
+        let at = format!("{},{}", first[0], first[1]);
+        let there = json(&good(&["sample", &project, "--at", &at]));
+        assert!((number(&there["height_m"]) - height_m).abs() < 2.0);
+    }
+}
+
+#[test]
+fn sight_and_water_are_summed_up_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = hills(folder.path());
+    let picture = folder.path().join("seen.png");
+    let name = picture.to_str().unwrap();
+    let seen = json(&good(&[
+        "viewshed",
+        &project,
+        "--at",
+        "10,5",
+        "--radius",
+        "5000",
+        "--spacing",
+        "100",
+        "-o",
+        name,
+    ]));
+    let (visible, area) = (number(&seen["visible_m2"]), number(&seen["area_m2"]));
+    assert!(visible > 0.0 && visible <= area);
+    assert!((area / (core::f64::consts::PI * 25e6) - 1.0).abs() < 0.05);
+    assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
+
+    let ground = number(&json(&good(&["sample", &project, "--at", "10,5"]))["height_m"]);
+    let (level, dry) = (format!("{}", ground + 0.5), format!("{}", ground - 5.0));
+    let shore = folder.path().join("shore.geojson");
+    let wet = relievo(&[
+        "flood",
+        &project,
+        "--at",
+        "10,5",
+        "--level",
+        &level,
+        "-o",
+        shore.to_str().unwrap(),
+    ]);
+    // Unless the hills let it run over too far, there is a shore.
+    if wet.0 == 0 {
+        assert!(number(&json(&wet.1)["volume_m3"]) > 0.0);
+        assert!(json(&std::fs::read_to_string(&shore).unwrap())["features"].is_array());
+    } else {
+        assert!(wet.2.contains("expected water of at most"), "{}", wet.2);
+    }
+    let (code, _, line) = relievo(&["flood", &project, "--at", "10,5", "--level", &dry]);
+    assert!(
+        code == 2 && line.contains("below the water level"),
+        "{line}"
+    );
+}
+
+#[test]
+fn scenarios_are_compared_as_json_table_and_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = hills(folder.path());
+    let compare = |file: &str| {
+        let path = folder.path().join(file);
+        let bounds = "10,5,10.02,5.02";
+        good(&[
+            "compare",
+            &project,
+            "--b",
+            "Higher hills",
+            "--bounds",
+            bounds,
+            "-o",
+            path.to_str().unwrap(),
+        ]);
+        std::fs::read_to_string(path).unwrap()
+    };
+    let report = json(&compare("report.json"));
+    assert_eq!(
+        (&report["a"], &report["b"]),
+        (&Value::from("base"), &Value::from("Higher hills"))
+    );
+    let total = &report["total"];
+    let [cut, fill, net] = ["cut_m3", "fill_m3", "net_m3"].map(|q| number(&total[q]["value"]));
+    assert!(
+        (fill - cut - net).abs() < 1e-6 * (cut + fill) && cut + fill > 0.0,
+        "{total}"
+    );
+    assert!(number(&total["cut_m3"]["error"]) >= 0.0);
+    let table = compare("report.csv");
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines[0].starts_with("id,name,kind,step,cut_m3,cut_m3_error,"));
+    assert!(lines.last().unwrap().starts_with(",total,,,"));
+    let page = compare("report.html");
+    assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
+    assert_eq!(page.matches("data:image/png;base64,").count(), 3);
+    assert!(
+        !page.contains("http://") && !page.contains("https://"),
+        "it needs nothing else"
+    );
+
+    let (code, _, line) = relievo(&["compare", &project, "--b", "nothing"]);
+    assert_eq!(code, 2);
+    assert!(
+        line.contains("expected base, ground or a scenario (Higher hills), found \"nothing\""),
+        "{line}"
+    );
+    let (code, _, line) = relievo(&["compare", &project, "--b", "base", "-o", "x.txt"]);
+    assert!(
+        code == 2 && line.contains("ends in .html or .json or .csv"),
+        "{line}"
+    );
+}
