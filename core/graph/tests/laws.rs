@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, BlendMode, Constant, Memory, Noise, NoiseParams, Normals,
-    Overlay, OverlayHeights, Stop, Tint, Vector,
+    AddHeights, Adjust, AdjustParams, BlendMode, Constant, ContourLines, ContourStyle, Memory,
+    Noise, NoiseParams, Normals, Overlay, OverlayHeights, SlopeAngle, Stop, Tint, Vector,
 };
 use relievo_graph::{ContentId, Graph, GraphBuilder, IdHasher, ImageNode, Job, NodeIndex};
 use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
@@ -51,6 +51,18 @@ fn tint(smooth: bool) -> Arc<Tint> {
     Arc::new(Tint::new(&stops, smooth).expect("stops that rise"))
 }
 
+fn contour_lines(index_every: u32) -> Arc<ContourLines> {
+    let style = ContourStyle {
+        interval_m: 40_000.0,
+        base_m: 100.0,
+        index_every,
+        rgb: [0.4, 0.2, 0.1],
+        width: 1.2,
+        index_width: 2.5,
+    };
+    Arc::new(ContourLines::new(Planet::EARTH, style).expect("a style"))
+}
+
 fn memory() -> Arc<Memory> {
     let grid = Grid::new(
         Arc::new(LevelKey::new(1, 0).lattice()),
@@ -91,6 +103,7 @@ fn registry() -> Vec<Entry> {
     const COLOURS: &[Bands] = &[Bands::Colour, Bands::Colour];
     const MASKED: &[Bands] = &[Bands::Colour, Bands::Colour, Bands::Mask];
     const HEIGHT: &[Bands] = &[Bands::Height];
+    const CONTOURED: &[Bands] = &[Bands::Height, Bands::Normal];
     const HEIGHTS: &[Bands] = &[Bands::Height, Bands::Height];
     let entry = |name, node: Arc<dyn ImageNode>, inputs| Entry { name, node, inputs };
     vec![
@@ -178,6 +191,9 @@ fn registry() -> Vec<Entry> {
             Arc::new(Normals::new(Planet::EARTH, 50.0)),
             HEIGHT,
         ),
+        entry("slope angle", Arc::new(SlopeAngle), &[Bands::Normal]),
+        entry("contour lines", contour_lines(0), CONTOURED),
+        entry("index contours", contour_lines(5), CONTOURED),
     ]
 }
 
