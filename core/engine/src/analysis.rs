@@ -4,6 +4,7 @@
 //! data's resolution, so no answer depends on what is on the screen.
 
 mod compare;
+mod difference;
 mod extent;
 mod ground;
 mod pictures;

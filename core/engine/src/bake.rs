@@ -18,7 +18,7 @@ use relievo_raster::{Bands, Block, Cancel, PixelRect};
 use crate::query::Questions;
 
 /// Side of a block and of a stored tile in samples.
-const BLOCK: u32 = 512;
+pub(crate) const BLOCK: u32 = 512;
 
 /// Largest PNG, which is held in memory as a whole: 16384² samples.
 const LARGEST_PNG: u64 = 1 << 28;
@@ -66,12 +66,12 @@ pub enum BakeError {
 }
 
 /// A region whose sense has been checked.
-struct Plan {
+pub(crate) struct Plan {
     node: NodeIndex,
     lattice: Arc<Lattice>,
-    width: u32,
-    height: u32,
-    georeference: Georeference,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) georeference: Georeference,
 }
 
 impl Questions {
@@ -109,7 +109,7 @@ impl Questions {
         }
     }
 
-    fn plan(&self, bake: &Bake) -> Result<Plan, BakeError> {
+    pub(crate) fn plan(&self, bake: &Bake) -> Result<Plan, BakeError> {
         let region = |text: String| BakeError::Region(text);
         let crs = Crs::parse(&bake.crs).map_err(|e| region(e.to_string()))?;
         let [west, south, mut east, north] = bake.bounds;
@@ -184,7 +184,12 @@ impl Questions {
         Grid::new(Arc::clone(&plan.lattice), rect)
     }
 
-    fn block(&self, plan: &Plan, rect: PixelRect, cancel: &Cancel) -> Result<Block, RenderError> {
+    pub(crate) fn block(
+        &self,
+        plan: &Plan,
+        rect: PixelRect,
+        cancel: &Cancel,
+    ) -> Result<Block, RenderError> {
         let grid = Self::grid(plan, rect);
         self.scene.graph.evaluate(plan.node, &grid, cancel)
     }

@@ -8,7 +8,7 @@ use relievo_engine::{Bake, BakeError, Output};
 
 use super::progress::Progress;
 use super::scenario::Scenario;
-use super::{Context, Failure, project, units};
+use super::{Context, Failure, compare, project, units};
 
 /// Write a region of a project to a raster file.
 ///
@@ -26,7 +26,8 @@ pub(crate) struct Arguments {
     /// The file to write: .tif, .exr or .png.
     #[arg(short = 'o', value_name = "OUT.tif|OUT.exr|OUT.png")]
     file: PathBuf,
-    /// What to write: heights in metres, colours as RGBA, or normals as east, north and up.
+    /// What to write: heights in metres, colours as RGBA, normals as east, north and up, or by how many
+    /// metres --b is higher than --a (.tif).
     #[arg(long, value_enum, value_name = "KIND")]
     output: Kind,
     /// Outer edges west, south, east, north in units of --crs; in degrees W > E crosses the
@@ -39,6 +40,12 @@ pub(crate) struct Arguments {
     /// The coordinate system of bounds, resolution and file: EPSG:n, ESRI:n or a proj string.
     #[arg(long, value_name = "EPSG:N", default_value = "EPSG:4326")]
     crs: String,
+    /// For differences the scenario before: its name or id, base, or ground for no elements.
+    #[arg(long, value_name = "NAME", default_value = "base")]
+    a: String,
+    /// For differences the scenario after, likewise.
+    #[arg(long, value_name = "NAME", required_if_eq("output", "difference"))]
+    b: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -46,6 +53,7 @@ enum Kind {
     Height,
     Colour,
     Normal,
+    Difference,
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
@@ -53,7 +61,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     project::check_output(&arguments.file, &[&arguments.project], &engine)?;
     let bake = Bake {
         output: match arguments.output {
-            Kind::Height => Output::Height,
+            Kind::Height | Kind::Difference => Output::Height,
             Kind::Colour => Output::Colour,
             Kind::Normal => Output::Normal,
         },
@@ -66,9 +74,14 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         .unwrap_or_else(|| std::thread::available_parallelism().map_or(2, usize::from));
     let progress = Progress::new("baking");
     let told = &mut |share: f64| progress.set(share);
-    let result = engine
-        .questions()
-        .bake(&bake, &arguments.file, threads, told, context.cancel);
+    let result = if let (Kind::Difference, Some(b)) = (arguments.output, &arguments.b) {
+        let [a, b] = [&arguments.a, b].map(|name| compare::version(engine.project(), name));
+        let comparison = engine.comparison(&a?, &b?, None).map_err(Failure::Input)?;
+        comparison.bake_difference(&bake, &arguments.file, threads, told, context.cancel)
+    } else {
+        let questions = engine.questions();
+        questions.bake(&bake, &arguments.file, threads, told, context.cancel)
+    };
     match result {
         Ok(()) => Ok(()),
         Err(

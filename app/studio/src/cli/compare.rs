@@ -9,6 +9,7 @@ use relievo_engine::analysis::{MapBox, SitePictures, Version, VolumeSettings};
 use relievo_engine::project::Project;
 
 use super::measure::{check_extension, deliver, measured, threads};
+use super::scenario::Scenario;
 use super::{Context, Failure, project, units};
 
 /// Pictures across in a report, pixels.
@@ -51,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     };
     let bounds = arguments.bounds.map(MapBox::from_degrees).transpose();
     let bounds = bounds.map_err(Failure::input)?;
-    let engine = project::open_complete(&arguments.project, context)?;
+    let engine = project::open_complete(&arguments.project, &Scenario::default(), context)?;
     if let Some(file) = &arguments.file {
         project::check_output(file, &[&arguments.project], &engine)?;
     }
@@ -92,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
 }
 
 /// The version that is called so.
-fn version(project: &Project, name: &str) -> Result<Version, Failure> {
+pub(super) fn version(project: &Project, name: &str) -> Result<Version, Failure> {
     Version::called(project, name).ok_or_else(|| {
         let known: Vec<&str> = project.scenarios.iter().map(|s| s.name.as_str()).collect();
         Failure::Input(format!(

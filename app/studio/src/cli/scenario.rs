@@ -6,7 +6,7 @@ use relievo_engine::project::Edit;
 use super::Failure;
 
 /// Which scenario a command looks at.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, clap::Args)]
 pub(crate) struct Scenario {
     /// The scenario to look at, by its name or id; `base` is the project without any. Default: the one
     /// that the project shows.

@@ -135,7 +135,7 @@ pub struct ComparisonReport {
 /// Two versions of a project, compiled, to be measured and shown on any thread.
 pub struct Comparison {
     names: [String; 2],
-    planet: Planet,
+    pub(super) planet: Planet,
     /// Heights of both versions without noise, and all steps between.
     measured: [Arc<Scene>; 2],
     /// Both versions with all they have.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use relievo_engine::analysis::{ContourSettings, MapBox};
 use serde_json::json;
 
+use super::super::scenario::Scenario;
 use super::super::{Context, Failure, project, units};
 use super::{deliver, geojson, measured};
 
@@ -17,6 +18,8 @@ pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
+    #[command(flatten)]
+    scenario: Scenario,
     /// Outer edges west, south, east, north in degrees; W > E crosses the antimeridian.
     #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true, value_parser = units::bounds)]
     bounds: [f64; 4],
@@ -45,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         base_m: arguments.base,
         ..ContourSettings::every(arguments.interval)
     };
-    let engine = project::open_complete(&arguments.project, context)?;
+    let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     let lines = measured("contours", &arguments.project, context, |task| {
         engine.questions().contours(&area, &settings, task)
     })?;

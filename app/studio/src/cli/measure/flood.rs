@@ -6,6 +6,7 @@ use relievo_engine::analysis::FloodSettings;
 use relievo_engine::planet::MapPoint;
 use serde_json::json;
 
+use super::super::scenario::Scenario;
 use super::super::units::{self, Place};
 use super::super::{Context, Failure, project};
 use super::{deliver, geojson, measured};
@@ -19,6 +20,8 @@ pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
+    #[command(flatten)]
+    scenario: Scenario,
     /// A place under water, in degrees, longitude east.
     #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = units::place)]
     at: Place,
@@ -34,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     if let Some(file) = &arguments.file {
         super::check_extension(file, &["geojson", "json"])?;
     }
-    let engine = project::open_complete(&arguments.project, context)?;
+    let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     let seed = MapPoint::from_degrees(arguments.at.lon_deg, arguments.at.lat_deg);
     let settings = FloodSettings::to(arguments.level);
     let found = measured("flooding", &arguments.project, context, |task| {

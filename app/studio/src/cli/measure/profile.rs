@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use relievo_engine::analysis::{Profile, ProfileSettings};
 use relievo_engine::planet::MapPoint;
 
+use super::super::scenario::Scenario;
 use super::super::units::{self, Line};
 use super::super::{Context, Failure, project};
 use super::{deliver, measured};
@@ -20,6 +21,8 @@ pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
+    #[command(flatten)]
+    scenario: Scenario,
     /// Points in degrees, longitude east, joined by geodesics.
     #[arg(long, value_name = "LON,LAT;LON,LAT...", allow_hyphen_values = true, value_parser = units::line)]
     line: Line,
@@ -35,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     if let Some(file) = &arguments.file {
         super::check_extension(file, &["csv"])?;
     }
-    let engine = project::open_complete(&arguments.project, context)?;
+    let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     let line: Vec<MapPoint> = arguments
         .line
         .0

@@ -8,6 +8,7 @@ use relievo_engine::raster::write::{Png, write_png};
 use relievo_engine::raster::{Bands, Block};
 use serde_json::json;
 
+use super::super::scenario::Scenario;
 use super::super::units::{self, Place};
 use super::super::{Context, Failure, project};
 use super::{measured, threads};
@@ -22,6 +23,8 @@ pub(crate) struct Arguments {
     /// The project.
     #[arg(value_name = "PROJECT")]
     project: PathBuf,
+    #[command(flatten)]
+    scenario: Scenario,
     /// Where the eye is, in degrees, longitude east.
     #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = units::place)]
     at: Place,
@@ -64,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     if let Some(file) = &arguments.file {
         super::check_extension(file, &["png"])?;
     }
-    let engine = project::open_complete(&arguments.project, context)?;
+    let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     if let Some(file) = &arguments.file {
         project::check_output(file, &[&arguments.project], &engine)?;
     }
