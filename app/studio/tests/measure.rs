@@ -32,9 +32,9 @@ fn hills(folder: &Path) -> String {
     let path = folder.join("hills.relievo");
     let project = r#"{"version": 1, "layers": [
         {"id": "hills", "name": "Hills", "kind": "noise", "mode": "replace", "amplitude_m": 100.0,
-         "wavelength_m": 20000.0, "octaves": 2, "offset_m": 500.0},
+         "wavelength_m": 20000.0, "octaves": 6, "offset_m": 500.0},
         {"id": "higher", "name": "Higher", "kind": "noise", "mode": "replace", "amplitude_m": 200.0,
-         "wavelength_m": 20000.0, "octaves": 2, "offset_m": 500.0, "visible": false}],
+         "wavelength_m": 20000.0, "octaves": 6, "offset_m": 500.0, "visible": false}],
       "scenarios": [{"id": "s1", "name": "Higher hills", "layers": [{"id": "higher", "visible": true}]}]}"#;
     std::fs::write(&path, project).unwrap();
     path.to_str().unwrap().to_owned()
@@ -81,7 +81,7 @@ fn a_profile_is_a_table_and_a_summary() {
         last[0]
     );
     assert!(
-        number(&summary["climb_m"]) > 1.0 && rows.iter().all(|r| (300.0..700.0).contains(&r[3]))
+        number(&summary["climb_m"]) > 1.0 && rows.iter().all(|r| (200.0..800.0).contains(&r[3]))
     );
     assert_eq!(good(&line), text, "without -o the table is printed");
 }
@@ -108,7 +108,7 @@ fn contours_are_geojson_at_whole_intervals() {
         let first = &feature["geometry"]["coordinates"][0];
         let at = format!("{},{}", first[0], first[1]);
         let there = json(&good(&["sample", &project, "--at", &at]));
-        assert!((number(&there["height_m"]) - height_m).abs() < 2.0);
+        assert!((number(&there["height_m"]) - height_m).abs() < 15.0);
     }
 }
 
@@ -136,7 +136,7 @@ fn sight_and_water_are_summed_up_and_drawn() {
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
 
     let ground = number(&json(&good(&["sample", &project, "--at", "10,5"]))["height_m"]);
-    let (level, dry) = (format!("{}", ground + 0.5), format!("{}", ground - 5.0));
+    let (level, dry) = (format!("{}", ground + 0.5), format!("{}", ground - 100.0));
     let shore = folder.path().join("shore.geojson");
     let wet = relievo(&[
         "flood",
