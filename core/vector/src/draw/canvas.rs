@@ -26,11 +26,14 @@ const FINE: usize = 2;
 /// Coverage of a sample that is wholly covered.
 const FULL: u16 = (FINE * FINE * 255) as u16;
 
+/// Edges that are filled together. tiny-skia keeps the edges of a row in a sorted list, which takes
+/// the square of their number where all lie in one place; shapes beyond this are filled in batches.
+const BATCH: usize = 8192;
+
 /// A cell that is being drawn.
 pub(super) struct Canvas {
-    mask: Mask,
     path: Path,
-    /// How much of each sample the mask covers, 0 to [`FULL`].
+    /// How much of each sample is covered, 0 to [`FULL`].
     coverage: Vec<u16>,
     /// Rows in which there is some.
     rows: Range<usize>,
@@ -39,9 +42,15 @@ pub(super) struct Canvas {
 }
 
 /// Shapes that become one, where their windings do not cancel.
-#[derive(Default)]
 pub(super) struct Path {
+    mask: Mask,
     builder: PathBuilder,
+    /// Edges in the builder.
+    edges: usize,
+    /// Rows of samples that the mask or the specks touch.
+    rows: Range<usize>,
+    /// Samples that specks cover, by sample.
+    specks: Vec<f32>,
     clipped: [Vec<DVec2>; 2],
 }
 
@@ -50,8 +59,14 @@ impl Canvas {
         let side = (FINE * CELL) as u32;
         let mask = Mask::new(side, side);
         Self {
-            mask: mask.unwrap_or_else(|| unreachable!("a cell has a size")),
-            path: Path::default(),
+            path: Path {
+                mask: mask.unwrap_or_else(|| unreachable!("a cell has a size")),
+                builder: PathBuilder::new(),
+                edges: 0,
+                rows: 0..0,
+                specks: vec![0.0; CELL * CELL],
+                clipped: [Vec::new(), Vec::new()],
+            },
             coverage: vec![0; CELL * CELL],
             rows: 0..0,
             planes: core::array::from_fn(|_| vec![0.0; CELL * CELL]),
@@ -71,28 +86,23 @@ impl Canvas {
 
     /// Turns the shapes into coverage.
     pub(super) fn fill(&mut self) {
-        self.rows = 0..0;
-        let builder = std::mem::take(&mut self.path.builder);
-        let Some(path) = builder.finish() else {
-            return;
-        };
-        let bounds = path.bounds();
-        // A row more on each side: what touches an edge is rounded somewhere.
-        let first = (bounds.top() / FINE as f32 - 1.0).clamp(0.0, CELL as f32) as usize;
-        let last = (bounds.bottom() / FINE as f32 + 2.0).clamp(0.0, CELL as f32) as usize;
-        self.rows = first..last.max(first);
+        self.path.flush();
+        self.rows = std::mem::take(&mut self.path.rows);
         let line = FINE * CELL;
-        self.mask.data_mut()[first * FINE * line..self.rows.end * FINE * line].fill(0);
-        self.mask
-            .fill_path(&path, FillRule::Winding, true, Transform::identity());
         for row in self.rows.clone() {
-            let fine = &self.mask.data()[row * FINE * line..(row + 1) * FINE * line];
-            let (above, below) = fine.split_at(line);
+            let fine = &mut self.path.mask.data_mut()[row * FINE * line..(row + 1) * FINE * line];
+            let specks = &mut self.path.specks[row * CELL..(row + 1) * CELL];
             let samples = &mut self.coverage[row * CELL..(row + 1) * CELL];
+            let (above, below) = fine.split_at(line);
             let pairs = above.chunks_exact(FINE).zip(below.chunks_exact(FINE));
-            for (sample, (a, b)) in samples.iter_mut().zip(pairs) {
-                *sample = a.iter().chain(b).map(|v| u16::from(*v)).sum();
+            for ((sample, (a, b)), speck) in samples.iter_mut().zip(pairs).zip(&*specks) {
+                let covered: u16 = a.iter().chain(b).map(|v| u16::from(*v)).sum();
+                let specks = (speck.clamp(0.0, 1.0) * f32::from(FULL) + 0.5) as u16;
+                *sample = (covered + specks).min(FULL);
             }
+            // As the next shapes expect it.
+            fine.fill(0);
+            specks.fill(0.0);
         }
     }
 
@@ -163,6 +173,41 @@ impl Canvas {
 }
 
 impl Path {
+    /// Fills what was gathered.
+    fn flush(&mut self) {
+        self.edges = 0;
+        let builder = std::mem::take(&mut self.builder);
+        let Some(path) = builder.finish() else {
+            return;
+        };
+        let bounds = path.bounds();
+        // A row more on each side: what touches an edge is rounded somewhere.
+        let first = (bounds.top() / FINE as f32 - 1.0).clamp(0.0, CELL as f32) as usize;
+        let last = (bounds.bottom() / FINE as f32 + 2.0).clamp(0.0, CELL as f32) as usize;
+        self.touch(first..last);
+        self.mask
+            .fill_path(&path, FillRule::Winding, true, Transform::identity());
+    }
+
+    fn touch(&mut self, rows: Range<usize>) {
+        self.rows = if self.rows.is_empty() {
+            rows
+        } else {
+            self.rows.start.min(rows.start)..self.rows.end.max(rows.end)
+        };
+    }
+
+    /// Adds something much smaller than a sample by its area in samples, which may be negative for
+    /// a hole: thousands of them in a sample cost no more than one.
+    pub(super) fn speck(&mut self, at: DVec2, area: f64) {
+        let side = CELL as f64;
+        if at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::splat(side)).all() {
+            let (column, row) = (at.x as usize, at.y as usize);
+            self.specks[row * CELL + column] += area as f32;
+            self.touch(row..row + 1);
+        }
+    }
+
     /// Adds a polygon in samples of the cell, closed by itself, cut off a little beyond the cell.
     pub(super) fn polygon(&mut self, points: &[DVec2]) {
         let low = DVec2::splat(-PAD);
@@ -178,14 +223,24 @@ impl Path {
         }
         if least.cmpge(low).all() && most.cmple(high).all() {
             trace(&mut self.builder, points);
-            return;
+            self.edges += points.len();
+        } else {
+            self.cut(points, low, high);
         }
+        if self.edges > BATCH {
+            self.flush();
+        }
+    }
+
+    /// Adds the part of a polygon between two corners.
+    fn cut(&mut self, points: &[DVec2], low: DVec2, high: DVec2) {
         let [a, b] = &mut self.clipped;
         clip(points, a, |p| p.x - low.x);
         clip(a, b, |p| high.x - p.x);
         clip(b, a, |p| p.y - low.y);
         clip(a, b, |p| high.y - p.y);
         trace(&mut self.builder, b);
+        self.edges += b.len();
     }
 }
 

@@ -4,13 +4,16 @@ use core::f64::consts::FRAC_PI_2;
 
 use glam::DVec2;
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Path};
 use super::plane::{Plane, Window};
 use super::{DrawError, Painter};
 use crate::features::{Bounds, Hit, Shape, Visit, Walker};
 
 /// Vertices closer than this many samples become one, in shapes of some samples' size.
 pub(super) const TOLERANCE: f64 = 0.1;
+
+/// Shapes smaller than this many samples are drawn by their area, in the sample where they lie.
+const SPECK: f64 = 0.5;
 
 /// Halvings of an edge that a projection bends, at most.
 const HALVINGS: u32 = 8;
@@ -27,6 +30,10 @@ impl Painter<'_> {
             let part = features.part(hit.part);
             let clip = self.clip(window, 4.0).turned(-hit.turns);
             let tolerance = self.tolerance(&clip);
+            if part.pole == 0 && part.bounds.size().cmplt(self.speck(&clip)).all() {
+                self.speckle(window, hit, path);
+                return;
+            }
             let small = part.bounds.size().cmplt(tolerance * 20.0).all();
             let mut walker = Simplifier {
                 clip,
@@ -47,6 +54,34 @@ impl Painter<'_> {
         })?;
         canvas.fill();
         Ok(())
+    }
+
+    /// Size in radians below which something is drawn by its area only.
+    pub(super) fn speck(&self, clip: &Bounds) -> DVec2 {
+        self.tolerance(clip) * (SPECK / TOLERANCE)
+    }
+
+    /// A polygon's ring by its area.
+    fn speckle(&self, window: &Window, hit: Hit, path: &mut Path) {
+        let features = &self.drawing.features;
+        let part = features.part(hit.part);
+        let turn = DVec2::new(f64::from(hit.turns) * core::f64::consts::TAU, 0.0);
+        let Some(at) = self.plane.sample(window, part.bounds.centre() + turn) else {
+            return;
+        };
+        let vertices = features.vertices_of(part);
+        let first = vertices[0];
+        let twice: f64 = vertices
+            .windows(2)
+            .map(|e| (e[0] - first).perp_dot(e[1] - first))
+            .sum();
+        let metres = self
+            .plane
+            .planet
+            .metres_per_radian(FRAC_PI_2 - part.bounds.centre().y);
+        let samples = self.plane.samples_per_m(part.bounds.centre());
+        let to_samples = metres * samples;
+        path.speck(at, 0.5 * twice * to_samples.x * to_samples.y);
     }
 
     /// The box of a window and some samples around it.

@@ -35,6 +35,13 @@ pub(super) struct Window {
     lon_offset: f64,
 }
 
+impl Window {
+    /// First sample of its rectangle.
+    pub(super) fn origin(&self) -> DVec2 {
+        self.origin
+    }
+}
+
 impl<'a> Plane<'a> {
     pub(super) fn new(lattice: &'a Lattice, planet: Planet) -> Result<Self, String> {
         let (crs, sample_m) = match &lattice.crs {

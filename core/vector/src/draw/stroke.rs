@@ -74,6 +74,10 @@ impl Painter<'_> {
             let part = features.part(hit.part);
             let clip = self.plane.grown(&window.bounds, self.reach_m);
             runs.clip = clip.turned(-hit.turns);
+            if part.bounds.size().cmplt(self.speck(&runs.clip)).all() {
+                self.speckle_line(window, hit, drawn_m, stroker.path);
+                return;
+            }
             runs.tolerance = self.tolerance(&runs.clip);
             runs.rings = part.shape != Shape::Line;
             runs.lengths = lengths.map(|l| &l[part.first_vertex()..]);
@@ -93,6 +97,22 @@ impl Painter<'_> {
         })?;
         canvas.fill();
         Ok(fade)
+    }
+
+    /// A line's area of a width.
+    fn speckle_line(&self, window: &Window, hit: Hit, width_m: f64, path: &mut Path) {
+        let features = &self.drawing.features;
+        let part = features.part(hit.part);
+        let centre = part.bounds.centre();
+        let turn = DVec2::new(f64::from(hit.turns) * TAU, 0.0);
+        let Some(at) = self.plane.sample(window, centre + turn) else {
+            return;
+        };
+        let metres = self.plane.planet.metres_per_radian(FRAC_PI_2 - centre.y);
+        let edges = features.vertices_of(part).windows(2);
+        let length_m: f64 = edges.map(|e| ((e[1] - e[0]) * metres).length()).sum();
+        let scale = self.plane.samples_per_m(centre);
+        path.speck(at, length_m * width_m * scale.x * scale.y);
     }
 
     fn dashes(&self) -> Option<Dashes> {

@@ -12,8 +12,8 @@ use super::{DrawError, Painter};
 use crate::features::{Hit, Shape};
 use crate::style::{Symbol, SymbolShape};
 
-/// Points that fall into one part of a sample of this size are drawn once.
-const SAME: f64 = 4.0;
+/// Symbols are drawn once where they are closer than this part of their size, or of a sample.
+const SAME: f64 = 0.25;
 
 impl Painter<'_> {
     /// The mask of the points' symbols. Returns how much of the colour shows: symbols smaller than
@@ -26,7 +26,7 @@ impl Painter<'_> {
     ) -> Result<f64, DrawError> {
         let (drawn_m, fade) = self.size(symbol);
         let mut points = Vec::new();
-        self.each_point(hits, |at, scale| points.push((at, scale)))?;
+        self.each_point(hits, drawn_m, |at, scale| points.push((at, scale)))?;
         let path = canvas.path();
         for (at, scale) in points {
             path.polygon(&corners(symbol.shape, at, 0.5 * drawn_m * scale));
@@ -46,7 +46,7 @@ impl Painter<'_> {
         let (drawn_m, fade) = self.size(symbol);
         let stroke_m = width_m.max(self.plane.sample_m);
         let mut points = Vec::new();
-        self.each_point(hits, |at, scale| points.push((at, scale)))?;
+        self.each_point(hits, drawn_m, |at, scale| points.push((at, scale)))?;
         let path = canvas.path();
         for (at, scale) in points {
             let polygon = corners(symbol.shape, at, 0.5 * drawn_m * scale);
@@ -67,9 +67,11 @@ impl Painter<'_> {
     fn each_point(
         &self,
         hits: &[(usize, Hit)],
+        drawn_m: f64,
         mut draw: impl FnMut(DVec2, DVec2),
     ) -> Result<(), DrawError> {
         let features = &self.drawing.features;
+        let apart = SAME * (drawn_m / self.plane.sample_m).max(1.0);
         let mut seen = HashSet::new();
         let points = |shape| shape == Shape::Points;
         self.each(hits, points, |window, hit| {
@@ -81,10 +83,9 @@ impl Painter<'_> {
                 let Some(at) = self.plane.sample(window, place).filter(|_| inside) else {
                     continue;
                 };
-                let bucket = I64Vec2::new(
-                    libm::floor(at.x * SAME) as i64,
-                    libm::floor(at.y * SAME) as i64,
-                );
+                // Counted from the lattice's origin, so that all cells leave out the same.
+                let whole = (at + window.origin()) / apart;
+                let bucket = I64Vec2::new(libm::floor(whole.x) as i64, libm::floor(whole.y) as i64);
                 if seen.insert(bucket) {
                     draw(at, self.plane.samples_per_m(place));
                 }
