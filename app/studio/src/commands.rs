@@ -5,7 +5,7 @@ mod table;
 
 use eframe::egui::{Context, KeyboardShortcut};
 
-use crate::window::Pane;
+use crate::window::{Mode, Pane, Tool};
 
 pub use keys::pressed;
 pub use table::TABLE;
@@ -35,18 +35,26 @@ pub enum Command {
     AddNoise,
     /// Adds a layer that colours heights.
     AddTint,
-    /// Removes the selected layer.
+    /// Removes the selected element or layer.
     RemoveLayer,
-    /// Moves the selected layer up in the list.
+    /// Moves the selected element or layer up in the list.
     MoveUp,
-    /// Moves the selected layer down in the list.
+    /// Moves the selected element or layer down in the list.
     MoveDown,
-    /// Shows or hides the selected layer.
+    /// Shows or hides the selected element or layer.
     ToggleVisible,
-    /// Flies to where the selected layer is seen whole.
+    /// Flies to where the selected element or layer is seen whole.
     ZoomToLayer,
     /// Links the selected layer to another file.
     Locate,
+    /// Takes a tool for the terrain.
+    Use(Tool),
+    /// Compares the shown scenario with another.
+    Compare(Mode),
+    /// Ends the comparison.
+    StopComparing,
+    /// Keeps the present view.
+    AddBookmark,
     /// Turns north up.
     NorthUp,
     /// Returns to the camera of the project file.
@@ -86,6 +94,8 @@ pub enum Menu {
     Edit,
     /// Layers.
     Layer,
+    /// Planning elements and measuring.
+    Draw,
     /// The camera and how the window looks.
     View,
     /// The panes.
@@ -111,6 +121,7 @@ impl Menu {
             Self::File => "File",
             Self::Edit => "Edit",
             Self::Layer => "Layer",
+            Self::Draw => "Draw",
             Self::View => "View",
             Self::Panes => "Panes",
             Self::Help => "Help",

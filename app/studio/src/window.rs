@@ -9,9 +9,12 @@
 //! frames. The thread that draws never makes a tile and never waits for one.
 
 mod action;
+mod bookmarks;
+mod compare;
 mod controls;
 mod dialogs;
 mod document;
+mod elements;
 mod graph;
 mod histogram;
 mod history;
@@ -28,6 +31,7 @@ mod place;
 mod probe;
 mod recent;
 mod remembered;
+mod scenarios;
 mod scene;
 mod settings;
 mod stage;
@@ -36,6 +40,7 @@ mod statistics;
 mod status;
 mod studio;
 mod theme;
+mod tools;
 mod viewport;
 
 use std::cell::RefCell;
@@ -48,11 +53,12 @@ use relievo_engine::raster::Cancel;
 
 use crate::cli::Cache;
 
-pub use action::Action;
+pub use compare::Mode;
 pub use document::Document;
 pub use navigation::Navigation;
 pub use panes::Pane;
 pub use studio::{Studio, StudioOptions};
+pub use tools::Tool;
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
@@ -103,6 +109,7 @@ pub fn open(
             .map_err(|e| OpenWindowError::System(no_window(&e)))?;
         // A window whose device is lost cannot draw itself any more: another takes its place.
         if !studio.borrow_mut().take_restart() {
+            studio.borrow_mut().finish();
             return Ok(());
         }
     }

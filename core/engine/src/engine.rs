@@ -3,6 +3,7 @@
 mod ahead;
 mod asking;
 mod edits;
+mod follow;
 mod keeping;
 mod options;
 mod picture;

@@ -72,6 +72,39 @@ impl Questions {
     }
 }
 
+/// Heights of the ground on an even grid over the longitudes and colatitudes that a camera sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenHeights {
+    /// Where the samples lie, 224 by 160.
+    pub grid: Grid,
+    /// Metres above the datum, row by row.
+    pub heights_m: Vec<f32>,
+}
+
+impl Questions {
+    /// Heights of the ground over what a camera sees; `None` for the sky. The same camera gives the
+    /// same grid, so that two revisions can be compared.
+    ///
+    /// # Errors
+    /// When a source cannot be read, or work was cancelled.
+    pub fn seen_heights(
+        &self,
+        camera: &Camera,
+        aspect: f64,
+        cancel: &Cancel,
+    ) -> Result<Option<SeenHeights>, RenderError> {
+        let Some(grid) = visible_grid(camera, &self.planet, aspect) else {
+            return Ok(None);
+        };
+        let root = self.scene.roots.height;
+        let heights = self.scene.graph.evaluate(root, &grid, cancel)?;
+        Ok(Some(SeenHeights {
+            grid,
+            heights_m: heights.plane(0).to_vec(),
+        }))
+    }
+}
+
 /// A grid over the longitudes and colatitudes that a camera sees; `None` for the sky.
 fn visible_grid(camera: &Camera, planet: &Planet, aspect: f64) -> Option<Grid> {
     let side = |i: i32| 2.0 * f64::from(i) / f64::from(RAYS - 1) - 1.0;

@@ -41,6 +41,7 @@ pub use view::View;
 /// Types of frames and views, for rooms that may depend on the engine only.
 /// Types of tiles, likewise.
 // A front-end needs their types, and this is the only door.
+pub use relievo_analysis::{Measure, Profile, ProfileSettings};
 pub use {
     relievo_graph as graph, relievo_planet as planet, relievo_project as project,
     relievo_raster as raster, relievo_tiles as tiles, relievo_vector as vector,

@@ -3,7 +3,7 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::{Command, Entry, Menu};
-use crate::window::Pane;
+use crate::window::{Mode, Pane, Tool};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
@@ -36,6 +36,15 @@ const fn group(entry: Entry) -> Entry {
         starts_group: true,
         ..entry
     }
+}
+
+const fn tool(
+    tool: Tool,
+    title: &'static str,
+    help: &'static str,
+    shortcuts: &'static [KeyboardShortcut],
+) -> Entry {
+    entry(Command::Use(tool), Menu::Draw, title, help, shortcuts)
 }
 
 const fn pane(
@@ -130,14 +139,14 @@ pub const TABLE: &[Entry] = &[
         Command::ToggleVisible,
         Menu::Layer,
         "Show or hide",
-        "Show or hide the selected layer",
+        "Show or hide the selected element or layer",
         &[keys(CTRL, Key::H)],
     )),
     entry(
         Command::ZoomToLayer,
         Menu::Layer,
-        "Fly to layer",
-        "Fly to where the selected layer is seen whole",
+        "Fly to selected",
+        "Fly to where the selected element or layer is seen whole",
         &[keys(PLAIN, Key::F)],
     ),
     entry(
@@ -151,23 +160,53 @@ pub const TABLE: &[Entry] = &[
         Command::MoveUp,
         Menu::Layer,
         "Move up",
-        "Draw the selected layer later, over its neighbour",
+        "Move the selected element or layer up, over its neighbour",
         &[keys(ALT, Key::ArrowUp)],
     ),
     entry(
         Command::MoveDown,
         Menu::Layer,
         "Move down",
-        "Draw the selected layer earlier, under its neighbour",
+        "Move the selected element or layer down, under its neighbour",
         &[keys(ALT, Key::ArrowDown)],
     ),
     entry(
         Command::RemoveLayer,
         Menu::Layer,
         "Remove",
-        "Remove the selected layer; its file stays",
+        "Remove the selected element or layer; files stay",
         &[keys(PLAIN, Key::Delete)],
     ),
+    tool(
+        Tool::Select,
+        "Select and edit",
+        "Select elements, drag their vertices, move the ground",
+        &[keys(PLAIN, Key::V)],
+    ),
+    tool(
+        Tool::Polygon,
+        "Draw polygon",
+        "Draw an area with a surface of its own",
+        &[keys(PLAIN, Key::P)],
+    ),
+    tool(
+        Tool::Corridor,
+        "Draw corridor",
+        "Draw a road, dam, trench or channel along a line",
+        &[keys(PLAIN, Key::C)],
+    ),
+    tool(
+        Tool::Brush,
+        "Brush",
+        "Raise, lower, smooth or flatten the ground by hand",
+        &[keys(PLAIN, Key::B)],
+    ),
+    group(tool(
+        Tool::Measure,
+        "Measure",
+        "Measure lengths and areas on the terrain",
+        &[keys(PLAIN, Key::M)],
+    )),
     entry(
         Command::NorthUp,
         Menu::View,
@@ -188,6 +227,48 @@ pub const TABLE: &[Entry] = &[
         "Go to…",
         "Fly to coordinates",
         &[keys(CTRL, Key::G)],
+    ),
+    entry(
+        Command::AddBookmark,
+        Menu::View,
+        "Add bookmark",
+        "Keep the present view under a name",
+        &[keys(CTRL, Key::D)],
+    ),
+    group(entry(
+        Command::Compare(Mode::Swipe),
+        Menu::View,
+        "Compare: swipe",
+        "Show two scenarios left and right of a line that can be dragged",
+        &[],
+    )),
+    entry(
+        Command::Compare(Mode::SideBySide),
+        Menu::View,
+        "Compare: side by side",
+        "Show two scenarios beside each other through the same camera",
+        &[],
+    ),
+    entry(
+        Command::Compare(Mode::Blink),
+        Menu::View,
+        "Compare: hold X",
+        "Show the other scenario while the key X is held",
+        &[],
+    ),
+    entry(
+        Command::Compare(Mode::Difference),
+        Menu::View,
+        "Compare: difference of heights",
+        "Show where the ground is higher or lower as colours",
+        &[],
+    ),
+    entry(
+        Command::StopComparing,
+        Menu::View,
+        "Stop comparing",
+        "Show one scenario again",
+        &[],
     ),
     group(entry(
         Command::Retry,
@@ -243,6 +324,24 @@ pub const TABLE: &[Entry] = &[
         "Layers",
         "Show or hide the list of layers",
         &[keys(CTRL_SHIFT, Key::L)],
+    ),
+    pane(
+        Pane::Elements,
+        "Elements",
+        "Show or hide the list of planning elements",
+        &[keys(CTRL_SHIFT, Key::D)],
+    ),
+    pane(
+        Pane::Scenarios,
+        "Scenarios",
+        "Show or hide the tree of scenarios",
+        &[keys(CTRL_SHIFT, Key::A)],
+    ),
+    pane(
+        Pane::Bookmarks,
+        "Bookmarks",
+        "Show or hide places to go back to",
+        &[keys(CTRL_SHIFT, Key::B)],
     ),
     pane(
         Pane::Inspector,

@@ -2,14 +2,17 @@
 
 use std::path::PathBuf;
 
-use relievo_engine::project::{Edit, LayerId};
+use relievo_engine::planet::Camera;
+use relievo_engine::project::{Edit, ElementId, LayerId, ScenarioId};
 
+use super::compare::Mode;
 use super::panes::Pane;
+use super::tools::Spot;
 use crate::commands::Command;
 
 /// Something that a panel asks the studio to do once the panel is drawn.
 #[derive(Clone, Debug)]
-pub enum Action {
+pub(crate) enum Action {
     /// Changes the project.
     Edit(Edit),
     /// All edits from here on are one undo step.
@@ -24,6 +27,14 @@ pub enum Action {
     Run(Command),
     /// Takes so many steps of the history back (negative) or makes them again.
     Jump(isize),
+    /// Selects a planning element, or none.
+    SelectElement(Option<ElementId>),
+    /// Chooses a vertex of an element, for keys.
+    ChooseVertex(ElementId, Spot),
+    /// Compares the shown scenario with another (`None`: the base).
+    Compare(Option<ScenarioId>, Mode),
+    /// Flies to a camera.
+    Fly(Camera),
     /// Selects a layer and flies to it.
     FlyTo(LayerId),
     /// Selects a layer and asks for its file.

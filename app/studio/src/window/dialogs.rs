@@ -1,15 +1,16 @@
 //! Questions that wait for an answer in front of everything else.
 
+mod go_to;
+
 use std::path::PathBuf;
 
-use eframe::egui::{
-    self, DragValue, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, WidgetInfo,
-};
-use relievo_engine::planet::Camera;
+use eframe::egui::{self, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
 use relievo_engine::relink::Link;
 
 use super::inbox::Purpose;
 use crate::commands::{Menu, TABLE};
+
+pub(crate) use go_to::Destination;
 
 /// What happens once unsaved changes are saved or given up.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,41 +25,6 @@ pub(crate) enum Then {
     New,
 }
 
-/// A camera as people write it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Destination {
-    lon_deg: f64,
-    lat_deg: f64,
-    altitude_m: f64,
-    heading_deg: f64,
-    pitch_deg: f64,
-}
-
-impl Destination {
-    /// The values of a camera.
-    pub(crate) fn of(camera: &Camera) -> Self {
-        Self {
-            lon_deg: camera.lon_rad.to_degrees(),
-            lat_deg: camera.lat_rad.to_degrees(),
-            altitude_m: camera.altitude_m,
-            heading_deg: camera.heading_rad.to_degrees(),
-            pitch_deg: camera.pitch_rad.to_degrees(),
-        }
-    }
-
-    /// The camera, with the field of view of another.
-    pub(crate) fn camera(&self, like: &Camera) -> Camera {
-        Camera {
-            lon_rad: self.lon_deg.to_radians(),
-            lat_rad: self.lat_deg.to_radians(),
-            altitude_m: self.altitude_m,
-            heading_rad: self.heading_deg.to_radians(),
-            pitch_rad: self.pitch_deg.to_radians(),
-            fov_y_rad: like.fov_y_rad,
-        }
-    }
-}
-
 /// A question.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Dialog {
@@ -66,6 +32,13 @@ pub(crate) enum Dialog {
     Unsaved(Then),
     /// Another program changed the project's file.
     ChangedOnDisk,
+    /// Whether edits of a run that did not end well are made again.
+    Recover {
+        /// How many.
+        edits: usize,
+        /// Whether the file is still what they were made on.
+        fits: bool,
+    },
     /// Where to fly.
     GoTo(Destination),
     /// All commands.
@@ -96,6 +69,8 @@ pub(crate) enum Answer {
     SaveAs,
     /// Open what the other program wrote.
     Reload,
+    /// Make the edits again, or throw them away.
+    Recover(bool),
     /// Fly there.
     GoTo(Destination),
     /// Use this path.
@@ -111,7 +86,8 @@ pub(crate) fn show(ctx: &egui::Context, dialog: &mut Dialog, name: &str) -> Opti
         match dialog {
             Dialog::Unsaved(then) => unsaved(ui, name, then),
             Dialog::ChangedOnDisk => changed_on_disk(ui, name),
-            Dialog::GoTo(destination) => go_to(ui, destination),
+            Dialog::Recover { edits, fits } => recover(ui, name, *edits, *fits),
+            Dialog::GoTo(destination) => go_to::show(ui, destination),
             Dialog::Help => help(ui),
             Dialog::Path(purpose, text) => path(ui, *purpose, text),
             Dialog::Relink { link, beside } => relink(ui, link, beside),
@@ -142,7 +118,7 @@ fn unsaved(ui: &mut Ui, name: &str, then: &Then) -> Option<Answer> {
 
 fn changed_on_disk(ui: &mut Ui, name: &str) -> Option<Answer> {
     ui.heading(format!("{name} changed on disk"));
-    ui.label("Another program wrote the file since it was opened. Nothing has been saved yet.");
+    ui.label("Another program wrote the file since it was opened. Nothing has been overwritten.");
     ui.add_space(8.0);
     buttons(ui, |ui| {
         let choices = [
@@ -160,6 +136,41 @@ fn changed_on_disk(ui: &mut Ui, name: &str) -> Option<Answer> {
                 .on_hover_text(hint)
                 .clicked()
                 .then_some(answer)
+        })
+    })
+}
+
+fn recover(ui: &mut Ui, name: &str, edits: usize, fits: bool) -> Option<Answer> {
+    ui.heading(format!("Recover unsaved work on {name}?"));
+    let what = if edits == 1 {
+        "1 edit was".to_owned()
+    } else {
+        format!("{edits} edits were")
+    };
+    ui.label(format!(
+        "{what} made and never saved: the program ended before."
+    ));
+    if !fits {
+        ui.label("The file was changed since; some edits may not fit any more.");
+    }
+    ui.add_space(8.0);
+    buttons(ui, |ui| {
+        let choices = [
+            (
+                "Recover",
+                "Make them again; each can be undone",
+                Answer::Recover(true),
+            ),
+            (
+                "Throw away",
+                "They are lost for good",
+                Answer::Recover(false),
+            ),
+            ("Decide later", "They are offered again", Answer::Cancel),
+        ];
+        choices.into_iter().find_map(|(text, hint, answer)| {
+            let button = ui.button(text).on_hover_text(hint);
+            button.clicked().then_some(answer)
         })
     })
 }
@@ -210,92 +221,6 @@ fn relink(ui: &mut Ui, link: &Link, beside: &[(Link, String)]) -> Option<Answer>
         }
         cancel.clicked().then_some(Answer::Cancel)
     })
-}
-
-fn go_to(ui: &mut Ui, to: &mut Destination) -> Option<Answer> {
-    ui.heading("Go to");
-    ui.add_space(4.0);
-    Grid::new("destination")
-        .num_columns(2)
-        .spacing([12.0, 6.0])
-        .show(ui, |ui| {
-            field(
-                ui,
-                "Longitude",
-                "Degrees, east positive, -180 to 180",
-                &mut to.lon_deg,
-                -180.0..=180.0,
-                "°",
-                0.1,
-            );
-            field(
-                ui,
-                "Latitude",
-                "Degrees, north positive, -90 to 90",
-                &mut to.lat_deg,
-                -90.0..=90.0,
-                "°",
-                0.1,
-            );
-            let speed = (to.altitude_m.abs() * 0.01).max(1.0);
-            field(
-                ui,
-                "Altitude",
-                "Metres above the datum",
-                &mut to.altitude_m,
-                -10_000.0..=1e8,
-                " m",
-                speed,
-            );
-            field(
-                ui,
-                "Heading",
-                "Degrees clockwise from north, 0 to 360",
-                &mut to.heading_deg,
-                0.0..=360.0,
-                "°",
-                1.0,
-            );
-            field(
-                ui,
-                "Pitch",
-                "Degrees: -90 looks down, 0 to the horizon",
-                &mut to.pitch_deg,
-                -90.0..=89.0,
-                "°",
-                1.0,
-            );
-        });
-    ui.add_space(8.0);
-    let entered = ui.input(|i| i.key_pressed(Key::Enter)) && !ui.ctx().text_edit_focused();
-    buttons(ui, |ui| {
-        let go = ui.button(RichText::new("Go").strong()).clicked() || entered;
-        let cancel = ui.button("Cancel").clicked();
-        if go {
-            Some(Answer::GoTo(*to))
-        } else {
-            cancel.then_some(Answer::Cancel)
-        }
-    })
-}
-
-fn field(
-    ui: &mut Ui,
-    name: &str,
-    hint: &str,
-    value: &mut f64,
-    range: core::ops::RangeInclusive<f64>,
-    unit: &str,
-    speed: f64,
-) {
-    let label = ui.label(name);
-    let field = DragValue::new(value)
-        .range(range)
-        .speed(speed)
-        .suffix(unit)
-        .max_decimals(6);
-    ui.add(field).labelled_by(label.id).on_hover_text(hint);
-    ui.end_row();
 }
 
 fn help(ui: &mut Ui) -> Option<Answer> {

@@ -1,10 +1,13 @@
 //! The open project: the engine that shows it, the file that it came from, and whether they differ.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use relievo_engine::planet::Camera;
-use relievo_engine::project::{Edit, EditError, FileStamp, Project, Replace, SaveProjectError};
-use relievo_engine::{Engine, EngineOptions, OpenError};
+use relievo_engine::project::{
+    Edit, EditError, FileStamp, JournalOptions, Project, Recovery, Replace, SaveProjectError,
+};
+use relievo_engine::{Engine, EngineOptions, Guarded, OpenError};
 
 /// A project in the window.
 pub struct Document {
@@ -40,6 +43,41 @@ impl Document {
         let path = std::path::absolute(path).unwrap_or_else(|_odd| path.to_owned());
         let (engine, stamp) = Engine::open(&path, options)?;
         Ok(Self::of(engine, Some(path), Some(stamp)))
+    }
+
+    /// Guards the project's file against crashes and other programs; says what was found. Nothing
+    /// for a project without a file.
+    pub(crate) fn guard(&mut self, state_folder: Option<&Path>) -> Guarded {
+        let (Some(path), Some(stamp)) = (&self.path, self.stamp) else {
+            return Guarded::default();
+        };
+        let options = JournalOptions {
+            state_folder: state_folder.map(Path::to_owned),
+            ..JournalOptions::default()
+        };
+        self.engine.guard(path, stamp, options)
+    }
+
+    /// Makes edits again that were never saved: how many, and why no more.
+    pub(crate) fn recover(&mut self, recovery: &Recovery) -> (usize, Option<EditError>) {
+        let done = self.engine.recover(recovery);
+        self.note_change();
+        done
+    }
+
+    /// What the file was when it was read or written last.
+    pub(crate) fn stamp(&self) -> Option<FileStamp> {
+        self.stamp
+    }
+
+    /// Makes the step the present one up to which so many steps can be undone.
+    ///
+    /// # Errors
+    /// When a step does not fit any more.
+    pub fn go_to(&mut self, position: usize) -> Result<bool, EditError> {
+        let done = self.engine.go_to(position);
+        self.note_change();
+        done
     }
 
     fn of(engine: Engine, path: Option<PathBuf>, stamp: Option<FileStamp>) -> Self {
@@ -182,7 +220,17 @@ impl Document {
     fn note_change(&mut self) {
         self.revision += 1;
         let (now, saved) = (self.engine.project(), &self.saved);
-        self.changed = now.layers != saved.layers
+        let same = now.elements.len() == saved.elements.len()
+            && now
+                .elements
+                .iter()
+                .zip(&saved.elements)
+                .all(|(a, b)| Arc::ptr_eq(a, b) || a == b);
+        self.changed = !same
+            || now.layers != saved.layers
+            || now.scenarios != saved.scenarios
+            || now.scenario != saved.scenario
+            || now.bookmarks != saved.bookmarks
             || now.planet != saved.planet
             || now.sun != saved.sun
             || now.quality != saved.quality

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use eframe::egui;
-use relievo_engine::project::{Project, SourceRole};
+use relievo_engine::project::{FileStamp, Project, SourceRole, is_unchanged};
 use relievo_engine::raster::Bands;
 use relievo_engine::raster::open::{OpenOptions, open};
 use relievo_engine::relink::{self, Link};
@@ -79,6 +79,8 @@ pub(crate) enum Event {
         /// The others and theirs.
         beside: Vec<Link>,
     },
+    /// Another program changed a project's file.
+    ProjectChanged(PathBuf),
     /// Which of the recent projects are not there.
     Missing(Vec<PathBuf>),
     /// A picture was saved.
@@ -176,6 +178,23 @@ impl Inbox {
             };
             Event::Located { link, beside }
         });
+    }
+
+    /// Looks whether a project's file still is what it was; says so only if it is not.
+    pub(crate) fn look_at_project(&self, path: PathBuf, stamp: FileStamp) {
+        let (events, waker) = (Arc::clone(&self.events), self.waker.clone());
+        let run = move || {
+            // One that cannot be read now is told when it is saved.
+            if matches!(is_unchanged(&path, stamp), Ok(false)) {
+                let mut events = events.lock().unwrap_or_else(PoisonError::into_inner);
+                events.push(Event::ProjectChanged(path));
+                waker.wake();
+            }
+        };
+        let thread = std::thread::Builder::new().name("relievo-file".to_owned());
+        if let Err(error) = thread.spawn(run) {
+            tracing::error!("cannot start the thread relievo-file: {error}");
+        }
     }
 
     /// Looks which projects are not there.

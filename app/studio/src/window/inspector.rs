@@ -1,8 +1,10 @@
 //! The settings of the selected layer.
 
 mod adjust;
+pub(crate) mod element;
 mod heights;
 mod tint;
+mod vector;
 
 use eframe::egui::{self, CollapsingHeader, RichText, ScrollArea, TextEdit, Ui};
 use relievo_engine::project::{
@@ -14,6 +16,7 @@ use relievo_engine::{Engine, SourceState};
 use super::action::Action;
 use super::controls::{self, Number};
 use crate::commands::{Command, entry_of};
+pub(crate) use element::ElementForm;
 
 const OPACITY: Number = Number::new(
     "Opacity",
@@ -90,7 +93,7 @@ impl Inspector {
                     LayerKind::Noise(l) => heights::noise(ui, id, &l.noise, actions),
                     LayerKind::Tint(l) => tint_layer(ui, id, l, actions),
                     LayerKind::Vector(l) => {
-                        ui.weak(format!("Features from {}", l.path));
+                        section(ui, "Style", |ui| vector::show(ui, id, &l.style, actions));
                     }
                     LayerKind::Unknown { kind } => {
                         ui.weak(format!(

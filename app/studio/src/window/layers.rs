@@ -2,6 +2,8 @@
 
 mod row;
 
+pub(crate) use row::eye;
+
 use eframe::egui::{self, Align, Layout, ScrollArea, Stroke, Ui};
 use relievo_engine::Engine;
 use relievo_engine::project::{Edit, Layer, LayerId};

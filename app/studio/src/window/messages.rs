@@ -132,10 +132,7 @@ fn remedies(ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Actio
         let (spoken, hint) = (format!("Try {name} again"), entry_of(Command::Retry).help);
         button(ui, "Try again", spoken, hint, Action::Run(Command::Retry));
     }
-    if matches!(
-        state,
-        Some(SourceState::Open(_) | SourceState::Features(_))
-    ) {
+    if matches!(state, Some(SourceState::Open(_) | SourceState::Features(_))) {
         let (spoken, hint) = (
             format!("Fly to {name}"),
             entry_of(Command::ZoomToLayer).help,

@@ -24,12 +24,18 @@ pub enum Pane {
     View,
     /// The list of layers.
     Layers,
+    /// The list of planning elements.
+    Elements,
+    /// The tree of scenarios.
+    Scenarios,
     /// Settings of what is selected.
     Inspector,
     /// Light, planet and quality.
     Scene,
     /// What can be undone and redone.
     History,
+    /// Places to go back to.
+    Bookmarks,
     /// Problems and news.
     Messages,
     /// What made the ground under the pointer.
@@ -44,12 +50,15 @@ pub enum Pane {
 
 impl Pane {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::View,
         Self::Layers,
+        Self::Elements,
+        Self::Scenarios,
         Self::Inspector,
         Self::Scene,
         Self::History,
+        Self::Bookmarks,
         Self::Messages,
         Self::Place,
         Self::Histogram,
@@ -62,9 +71,12 @@ impl Pane {
         match self {
             Self::View => "View",
             Self::Layers => "Layers",
+            Self::Elements => "Elements",
+            Self::Scenarios => "Scenarios",
             Self::Inspector => "Inspector",
             Self::Scene => "Scene",
             Self::History => "History",
+            Self::Bookmarks => "Bookmarks",
             Self::Messages => "Messages",
             Self::Place => "Place",
             Self::Histogram => "Histogram",
@@ -78,6 +90,7 @@ impl Pane {
         match self {
             Self::View => Home::Middle,
             Self::Layers => Home::Left,
+            Self::Elements | Self::Scenarios | Self::Bookmarks => Home::LowerLeft,
             Self::Inspector | Self::Scene | Self::History => Home::Right,
             Self::Messages | Self::Place | Self::Histogram | Self::Graph | Self::Statistics => {
                 Home::Below
@@ -95,6 +108,7 @@ impl Pane {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Home {
     Left,
+    LowerLeft,
     Middle,
     Right,
     Below,
@@ -222,8 +236,15 @@ fn first() -> Tree<Pane> {
             .collect();
         tiles.insert_tab_tile(children)
     };
-    let [left, middle, right, below] =
-        [Home::Left, Home::Middle, Home::Right, Home::Below].map(&mut group);
+    let [upper, lower, middle, right, below] = [
+        Home::Left,
+        Home::LowerLeft,
+        Home::Middle,
+        Home::Right,
+        Home::Below,
+    ]
+    .map(&mut group);
+    let left = tiles.insert_vertical_tile(vec![upper, lower]);
     let mut row = Linear::new(LinearDir::Horizontal, vec![left, middle, right]);
     for (tile, share) in [left, middle, right].into_iter().zip(WIDTHS) {
         row.shares.set_share(tile, share);

@@ -4,8 +4,10 @@ mod answers;
 mod carry_out;
 mod device;
 mod docked;
+mod elements;
 mod files;
 mod frame;
+mod keeping;
 mod layer_edits;
 mod menus;
 mod opening;
@@ -16,17 +18,20 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::egui::Ui;
+use eframe::egui_wgpu::RenderState;
 use relievo_engine::planet::Camera;
-use relievo_engine::project::LayerId;
+use relievo_engine::project::{ElementId, FileStamp, LayerId, Recovery};
 use relievo_engine::raster::Cancel;
 use relievo_engine::{DEFAULT_DISK_CACHE_BYTES, EngineOptions, default_cache_folder};
 
+use super::bookmarks::Bookmarks;
+use super::compare::Compare;
 use super::dialogs::{Dialog, Then};
 use super::document::Document;
 use super::graph::GraphView;
 use super::histogram::Histograms;
 use super::inbox::{Inbox, Waker};
-use super::inspector::Inspector;
+use super::inspector::{ElementForm, Inspector};
 use super::messages::Log;
 use super::navigation::Navigation;
 use super::pace::Pace;
@@ -34,10 +39,12 @@ use super::palette::Palette;
 use super::panes::{Layout, Pane};
 use super::probe::Probe;
 use super::recent::{self, Recent};
+use super::scenarios::Scenarios;
 use super::settings::Settings;
 use super::stage::Stage;
 use super::start;
 use super::status::{Notation, Status};
+use super::tools::Tools;
 
 /// How often files of the project are looked at.
 const WATCH: Duration = Duration::from_secs(1);
@@ -87,7 +94,15 @@ pub struct Studio {
     pub(super) stage: Option<Stage>,
     pub(super) stage_error: Option<String>,
     pub(super) selected: Option<LayerId>,
+    pub(super) selected_element: Option<ElementId>,
     inspector: Inspector,
+    element_form: ElementForm,
+    bookmarks: Bookmarks,
+    scenarios: Scenarios,
+    pub(super) tools: Tools,
+    pub(super) compare: Option<Compare>,
+    /// The window's device.
+    pub(super) render_state: Option<RenderState>,
     pub(super) layout: Layout,
     settings: Settings,
     palette: Option<Palette>,
@@ -115,11 +130,15 @@ pub struct Studio {
     pub(super) after_save: Option<Then>,
     /// The window may close without a question.
     pub(super) closing: bool,
+    /// Edits of a run that did not end well, until somebody says what becomes of them.
+    offer: Option<Recovery>,
+    /// The state of the file about whose change the user was asked.
+    told_changed: Option<FileStamp>,
     restart: bool,
     /// The stage does not fit the project's quality any more.
     refit: bool,
     /// Largest colour windows that the device has room for, as far as is known.
-    most_window: u32,
+    pub(super) most_window: u32,
     /// Asks the window to close, once.
     interrupted: Option<Cancel>,
     title: String,
@@ -140,7 +159,14 @@ impl Studio {
             stage: None,
             stage_error: None,
             selected: None,
+            selected_element: None,
             inspector: Inspector::default(),
+            element_form: ElementForm::default(),
+            bookmarks: Bookmarks::default(),
+            scenarios: Scenarios::default(),
+            tools: Tools::default(),
+            compare: None,
+            render_state: None,
             layout,
             settings,
             palette: None,
@@ -162,6 +188,8 @@ impl Studio {
             samples: start::samples(),
             after_save: None,
             closing: false,
+            offer: None,
+            told_changed: None,
             restart: false,
             refit: false,
             most_window: u32::MAX,
@@ -175,6 +203,16 @@ impl Studio {
     /// The open project.
     pub fn document(&self) -> &Document {
         &self.document
+    }
+
+    /// How engines of this window work.
+    pub(super) fn engine_options(&self) -> EngineOptions {
+        engine_options(&self.options, &self.waker)
+    }
+
+    /// What wakes this window.
+    pub(super) fn waker(&self) -> Waker {
+        self.waker.clone()
     }
 
     /// The viewer.

@@ -1,7 +1,8 @@
 //! How the window looks: quiet, so that the terrain is what one sees.
 
 use eframe::egui::{
-    Color32, Context, CornerRadius, FontId, Margin, Stroke, TextStyle, Theme, Visuals, vec2,
+    Color32, Context, CornerRadius, FontId, Margin, Pos2, Rect, Response, Stroke, StrokeKind,
+    TextStyle, Theme, Ui, Visuals, vec2,
 };
 
 /// The colour of what is selected and active.
@@ -68,6 +69,30 @@ pub(crate) fn selection_fill(visuals: &Visuals) -> Color32 {
         .selection
         .bg_fill
         .gamma_multiply(if visuals.dark_mode { 0.45 } else { 0.22 })
+}
+
+/// The ground of a row of a list: selected, under the pointer, with the keyboard's focus.
+pub(crate) fn row(ui: &Ui, rect: Rect, response: &Response, selected: bool) {
+    let visuals = ui.visuals();
+    let fill = if selected {
+        selection_fill(visuals)
+    } else if response.hovered() {
+        visuals.widgets.hovered.weak_bg_fill.gamma_multiply(0.5)
+    } else {
+        Color32::TRANSPARENT
+    };
+    let corner = CornerRadius::same(4);
+    ui.painter().rect_filled(rect, corner, fill);
+    if response.has_focus() {
+        let stroke = visuals.selection.stroke;
+        ui.painter()
+            .rect_stroke(rect, corner, stroke, StrokeKind::Inside);
+    }
+    if selected {
+        let bar = Rect::from_min_max(rect.min, Pos2::new(rect.left() + 3.0, rect.bottom()));
+        ui.painter()
+            .rect_filled(bar, CornerRadius::same(2), visuals.selection.bg_fill);
+    }
 }
 
 /// Ground of texts that lie over the picture.

@@ -7,19 +7,21 @@ use eframe::egui::{
     Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use glam::{DVec2, DVec3};
-use relievo_engine::Frame;
 use relievo_engine::planet::MapPoint;
 use relievo_engine::planet::camera::FlyInput;
 use relievo_engine::raster::Cancel;
+use relievo_engine::{Frame, View};
 use relievo_gpu::{AdapterClass, RenderError};
 
 use super::action::Action;
+use super::compare::Parts;
 use super::messages::Weight;
 use super::navigation::Hit;
 use super::pace::REST_S as PICTURE_REST_S;
 use super::probe::Spot;
 use super::status::Pointed;
 use super::studio::{Dragging, Studio};
+use super::tools::Tool;
 use super::{start, theme};
 use crate::picture;
 
@@ -43,11 +45,19 @@ impl Studio {
         if rect.width() < 1.0 || rect.height() < 1.0 {
             return;
         }
-        self.aspect = f64::from(rect.aspect_ratio());
+        let parts = self.parts(ui, rect);
+        self.aspect = f64::from(parts.own.aspect_ratio());
+        // What was grabbed in one picture stays in it.
+        let at = ui.input(|i| i.pointer.press_origin().or(i.pointer.latest_pos()));
+        let active = parts.under(at);
         let dt_s = ui.input(|i| i.stable_dt).min(LONGEST_FRAME_S);
-        self.steer(ui, rect, &response, dt_s);
-        self.draw(ui, rect, dt_s);
-        self.point(ui, rect, &response);
+        let taken = self.use_tool(ui, active, &response, actions);
+        self.steer(ui, active, &response, dt_s, taken);
+        self.draw(ui, &parts, dt_s);
+        self.draw_other(ui, &parts, dt_s);
+        self.paint_tools(ui, parts.own);
+        self.compare_overlay(ui, rect, &parts);
+        self.point(ui, active, &response);
         self.compass(ui, rect);
         if self.is_blank() {
             let offers = start::Offers {
@@ -58,15 +68,46 @@ impl Studio {
             start::show(ui, rect, &offers, actions);
         } else {
             self.notes(ui, rect);
+            self.tool_bar(ui, rect, actions);
         }
     }
 
-    fn steer(&mut self, ui: &Ui, rect: Rect, response: &Response, dt_s: f32) {
+    /// What the chosen tool does with pointer and keys; `true` while it has the pointer.
+    fn use_tool(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        response: &Response,
+        actions: &mut Vec<Action>,
+    ) -> bool {
+        if self.is_blank() {
+            return false;
+        }
+        match self.tools.tool {
+            Tool::Select => {
+                let taken = self.drag_handles(ui, rect, response, actions);
+                if !taken && response.clicked() {
+                    self.pick_element(ui, rect, actions);
+                }
+                taken
+            }
+            Tool::Polygon | Tool::Corridor | Tool::Measure => {
+                self.draw_draft(ui, rect, response, actions);
+                false
+            }
+            Tool::Brush => self.paint_stroke(ui, rect, response, actions),
+        }
+    }
+
+    /// Moves the camera, as far as a tool has not `taken` the pointer.
+    fn steer(&mut self, ui: &Ui, rect: Rect, response: &Response, dt_s: f32, taken: bool) {
         let planet = self.document.project().planet.body.figure();
         let aspect = f64::from(rect.aspect_ratio());
         let here_m = self.ground_below_m();
         let pointer = ui.input(|i| i.pointer.latest_pos());
-        if response.drag_started() {
+        if response.drag_started() && taken {
+            response.request_focus();
+        } else if response.drag_started() {
             let origin = ui.input(|i| i.pointer.press_origin()).or(pointer);
             let orbit = !response.drag_started_by(PointerButton::Primary)
                 || ui.input(|i| i.modifiers.command);
@@ -75,6 +116,7 @@ impl Studio {
             response.request_focus();
         }
         if response.dragged()
+            && !taken
             && let Some(at) = pointer
         {
             let moved = response.drag_delta() / rect.height();
@@ -96,6 +138,7 @@ impl Studio {
             }
         }
         if response.double_clicked()
+            && self.tools.tool == Tool::Select
             && let Some(at) = pointer
             && let Some(hit) = self.hit(rect, at)
         {
@@ -116,7 +159,8 @@ impl Studio {
         }
     }
 
-    fn draw(&mut self, ui: &Ui, rect: Rect, dt_s: f32) {
+    fn draw(&mut self, ui: &Ui, parts: &Parts, dt_s: f32) {
+        let rect = parts.own;
         let scale = ui.ctx().pixels_per_point();
         let full_px = [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
         let viewport_px = self.picture_size_px(ui, full_px);
@@ -126,6 +170,10 @@ impl Studio {
             None => picture::quality(settings, AdapterClass::Software),
         };
         let view = picture::view(*self.navigation.camera(), viewport_px, settings, &quality);
+        let label_view = View {
+            viewport_px: full_px,
+            ..view
+        };
         let engine = self.document.engine_mut();
         engine.set_view(view);
         let Some(frame) = engine.drain(dt_s) else {
@@ -145,7 +193,10 @@ impl Studio {
         }
         match &self.stage {
             Some(stage) => {
-                ui.painter().add(stage.shape(rect));
+                let painter = ui.painter().with_clip_rect(parts.own_seen);
+                if parts.own_seen.is_positive() {
+                    painter.add(stage.shape(rect));
+                }
                 let measured = stage.stats().and_then(|s| s.measured);
                 self.status.gpu_ms = measured.map(|m| m.gpu_ms);
                 if let Some(measured) = measured {
@@ -157,6 +208,9 @@ impl Studio {
                 ui.painter()
                     .rect_filled(rect, CornerRadius::ZERO, Color32::from_gray(12));
             }
+        }
+        if parts.own_seen.is_positive() {
+            self.paint_labels(ui, parts, &label_view);
         }
         if is_changing(&frame) {
             ui.ctx().request_repaint();
@@ -225,7 +279,7 @@ impl Studio {
     }
 
     /// The ground that a point of the screen shows.
-    fn hit(&self, rect: Rect, at: Pos2) -> Option<Hit> {
+    pub(super) fn hit(&self, rect: Rect, at: Pos2) -> Option<Hit> {
         let (eye, ray) = self.ray(rect, at, self.navigation.camera());
         let (point, height_m) = self.document.engine().cast(eye, ray)?;
         let ground_m = height_m * self.document.project().planet.vertical_exaggeration;

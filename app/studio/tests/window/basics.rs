@@ -396,3 +396,39 @@ fn an_empty_window_offers_projects_and_files_and_what_was_open_lately() {
     let list = std::fs::read_to_string(window.file.with_file_name("state/recent.json")).unwrap();
     assert!(!list.contains("relievo"), "{list}");
 }
+
+#[test]
+fn edits_that_a_crash_left_unsaved_are_offered_again() {
+    let mut window = Window::open(PROJECT);
+    window.press(Modifiers::COMMAND, Key::H);
+    window.press(Modifiers::ALT, Key::ArrowDown);
+    assert_eq!(window.order(), ["hills", "high", "low"]);
+    // The window is dropped without a word, as in a crash.
+    let mut window = window.again();
+    assert_eq!(window.order(), ["hills", "low", "high"]);
+    window.click("Recover");
+    assert_eq!(window.order(), ["hills", "high", "low"]);
+    assert!(!window.layers()[1].visible && window.harness.state().document().is_changed());
+    window.press(Modifiers::COMMAND, Key::S);
+    let mut window = window.again();
+    assert!(!window.has_button("Recover"));
+    window.press(Modifiers::COMMAND, Key::H);
+    let mut window = window.again();
+    window.click("Throw away");
+    let window = window.again();
+    assert!(!window.has_button("Recover"));
+}
+
+#[test]
+fn a_file_that_changed_while_the_window_was_behind_is_told_when_it_comes_to_the_front() {
+    let mut window = Window::open(PROJECT);
+    window.harness.event(Event::WindowFocused(false));
+    window.steps();
+    let theirs = PROJECT.replacen("Hills", "Mountains", 1);
+    std::fs::write(&window.file, &theirs).unwrap();
+    window.harness.event(Event::WindowFocused(true));
+    window.steps();
+    window.until("the question", |w| w.has_button("Reload"));
+    window.click("Reload");
+    assert_eq!(window.layers()[0].name, "Mountains");
+}

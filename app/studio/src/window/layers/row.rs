@@ -1,8 +1,8 @@
 //! One row of the list of layers: eye, name, opacity, state.
 
 use eframe::egui::{
-    self, Align, Color32, CornerRadius, Label, Layout, Pos2, Rect, Response, RichText, Role, Sense,
-    Slider, Stroke, Ui, UiBuilder, WidgetInfo, vec2,
+    self, Align, CornerRadius, Label, Layout, Pos2, Rect, Response, RichText, Role, Sense, Slider,
+    Stroke, Ui, UiBuilder, WidgetInfo, vec2,
 };
 use relievo_engine::project::{Edit, Layer, LayerKind};
 use relievo_engine::{Engine, SourceState};
@@ -44,14 +44,21 @@ pub(crate) fn show(
     if !layer.locked {
         response.dnd_set_drag_payload(layer.id.clone());
     }
-    background(ui, rect, &response, selected);
+    theme::row(ui, rect, &response, selected);
     let inner = rect.shrink2(vec2(6.0, 4.0));
     let mut content = ui.new_child(
         UiBuilder::new()
             .max_rect(inner)
             .layout(Layout::left_to_right(Align::Center)),
     );
-    content.add_enabled_ui(!layer.locked, |ui| eye(ui, layer, &name, actions));
+    content.add_enabled_ui(!layer.locked, |ui| {
+        if eye(ui, layer.visible, &name, "layer") {
+            actions.push(Action::Edit(Edit::SetVisible {
+                id: layer.id.clone(),
+                visible: !layer.visible,
+            }));
+        }
+    });
     content.add_space(2.0);
     let opacity_left = inner.right() - OPACITY_WIDTH;
     let text = Rect::from_min_max(
@@ -102,41 +109,15 @@ pub(crate) fn display_name(layer: &Layer) -> String {
     }
 }
 
-fn background(ui: &Ui, rect: Rect, response: &Response, selected: bool) {
-    let visuals = ui.visuals();
-    let fill = if selected {
-        theme::selection_fill(visuals)
-    } else if response.hovered() {
-        visuals.widgets.hovered.weak_bg_fill.gamma_multiply(0.5)
-    } else {
-        Color32::TRANSPARENT
-    };
-    ui.painter().rect_filled(rect, CornerRadius::same(4), fill);
-    if response.has_focus() {
-        ui.painter().rect_stroke(
-            rect,
-            CornerRadius::same(4),
-            visuals.selection.stroke,
-            egui::StrokeKind::Inside,
-        );
-    }
-    if selected {
-        let bar = Rect::from_min_max(rect.min, Pos2::new(rect.left() + 3.0, rect.bottom()));
-        ui.painter()
-            .rect_filled(bar, CornerRadius::same(2), visuals.selection.bg_fill);
-    }
-}
-
-/// An eye that shows or hides the layer; drawn, as not every font has one.
-fn eye(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {
+/// An eye that shows or hides what is called `name`; drawn, as not every font has one. Whether it was
+/// clicked.
+pub(crate) fn eye(ui: &mut Ui, is_open: bool, name: &str, what: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(22.0, 22.0), Sense::click());
     let label = format!("Show {name}");
-    response.widget_info(|| {
-        WidgetInfo::selected(Role::CheckBox, ui.is_enabled(), layer.visible, &label)
-    });
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, ui.is_enabled(), is_open, &label));
     let visuals = ui.style().interact(&response);
     let (centre, painter) = (rect.center(), ui.painter());
-    let colour = if layer.visible {
+    let colour = if is_open {
         visuals.text_color()
     } else {
         visuals.text_color().gamma_multiply(0.55)
@@ -158,7 +139,7 @@ fn eye(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {
     for side in [-1.0, 1.0] {
         painter.line(arc(side), stroke);
     }
-    if layer.visible {
+    if is_open {
         painter.circle_filled(centre, 2.6, colour);
     } else {
         painter.line_segment([centre + vec2(-7.0, 6.0), centre + vec2(7.0, -6.0)], stroke);
@@ -171,17 +152,10 @@ fn eye(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {
             egui::StrokeKind::Inside,
         );
     }
-    let hint = if layer.visible {
-        "Hide this layer"
-    } else {
-        "Show this layer"
-    };
-    if response.on_hover_text(hint).clicked() {
-        actions.push(Action::Edit(Edit::SetVisible {
-            id: layer.id.clone(),
-            visible: !layer.visible,
-        }));
-    }
+    let hint = if is_open { "Hide" } else { "Show" };
+    response
+        .on_hover_text(format!("{hint} this {what}"))
+        .clicked()
 }
 
 fn opacity(ui: &mut Ui, layer: &Layer, name: &str, actions: &mut Vec<Action>) {

@@ -30,6 +30,7 @@ impl Studio {
                 }
                 Event::Looked(files) => self.add_sources(files),
                 Event::Located { link, beside } => self.located(link, beside),
+                Event::ProjectChanged(path) => self.file_changed(&path),
                 Event::Missing(projects) => self.recent.set_missing(projects),
                 Event::PictureSaved(Ok(path)) => {
                     self.log.add(
@@ -63,6 +64,7 @@ impl Studio {
             }
             Answer::GoTo(to) => self.fly_to(to.camera(self.camera())),
             Answer::Path(purpose, path) => self.use_paths(purpose, vec![path], ctx),
+            Answer::Recover(wanted) => self.answer_offer(wanted),
             Answer::Relink(links) => self.relink(&links),
         }
     }

@@ -1,17 +1,19 @@
 //! Carrying out what panels and keys ask for.
 
 use eframe::egui::{self, ThemePreference, ViewportCommand};
-use relievo_engine::project::{Edit, LayerKind, Noise, NoiseLayer};
+use relievo_engine::project::{Edit, LayerKind, Noise, NoiseLayer, ScenarioId};
 
 use super::layer_edits::map_colours;
 use super::{Dragging, Studio};
 use crate::commands::Command;
 use crate::window::action::Action;
+use crate::window::bookmarks;
 use crate::window::dialogs::{Destination, Dialog, Then};
 use crate::window::inbox::Purpose;
 use crate::window::messages::Weight;
 use crate::window::palette::Palette;
 use crate::window::panes::Pane;
+use crate::window::tools::Tool;
 
 impl Studio {
     /// Carries out what a panel asks for.
@@ -34,12 +36,20 @@ impl Studio {
             }
             Action::Select(id) => {
                 self.selected = id;
+                self.select_element(None);
                 self.layout.open(Pane::Inspector);
             }
+            Action::SelectElement(id) => self.select_element(id),
+            Action::ChooseVertex(id, spot) => self.tools.vertex = Some((id, spot)),
+            Action::Fly(to) => self.fly_to(to),
+            Action::Compare(other, mode) => self.compare_with(other, mode),
             Action::Jump(steps) => {
-                for _ in 0..steps.unsigned_abs() {
-                    self.undo_or_redo(steps < 0);
+                let here = self.document.engine().history().undo_count();
+                if let Err(error) = self.document.go_to(here.saturating_add_signed(steps)) {
+                    self.log.add(Weight::Error, error.to_string());
                 }
+                self.keep_selection();
+                self.fit_stage();
             }
             Action::FlyTo(id) => {
                 self.selected = Some(id);
@@ -85,6 +95,12 @@ impl Studio {
                 }),
             ),
             Command::AddTint => self.add_made("Height colours", LayerKind::Tint(map_colours())),
+            Command::RemoveLayer
+            | Command::MoveUp
+            | Command::MoveDown
+            | Command::ToggleVisible
+            | Command::ZoomToLayer
+                if self.run_on_element(command) => {}
             Command::RemoveLayer | Command::MoveUp | Command::MoveDown | Command::ToggleVisible => {
                 self.edit_selected(command);
             }
@@ -95,9 +111,24 @@ impl Studio {
             }
             Command::NorthUp => self.north_up(),
             Command::ResetView => self.fly_to(self.document.project().camera.to_camera()),
-            Command::GoTo => self.dialog = Some(Dialog::GoTo(Destination::of(self.camera()))),
+            Command::GoTo => {
+                let body = self.document.project().planet.body;
+                self.dialog = Some(Dialog::GoTo(Destination::of(self.camera(), body)));
+            }
             Command::Toggle(pane) => self.layout.toggle(pane),
             Command::ResetPanes => self.layout.reset(),
+            Command::Use(tool) => {
+                self.tools.choose(tool);
+                if tool != Tool::Select && !self.layout.is_open(Pane::Elements) {
+                    self.layout.open(Pane::Elements);
+                }
+            }
+            Command::Compare(mode) => {
+                let other = self.usual_other();
+                self.compare_with(other, mode);
+            }
+            Command::StopComparing => self.stop_comparing(),
+            Command::AddBookmark => self.add_bookmark(),
             Command::Palette => self.palette = Some(Palette::default()),
             Command::FollowSystem => self.set_theme(ThemePreference::System, ctx),
             Command::Dark => self.set_theme(ThemePreference::Dark, ctx),
@@ -122,6 +153,29 @@ impl Studio {
         }
         self.keep_selection();
         self.fit_stage();
+    }
+
+    fn add_bookmark(&mut self) {
+        let count = self.document.project().bookmarks.len();
+        let bookmark = bookmarks::of(self.camera(), format!("Bookmark {}", count + 1));
+        self.edit(Edit::AddBookmark {
+            index: None,
+            bookmark,
+        });
+        self.layout.open(Pane::Bookmarks);
+    }
+
+    /// What a scenario is compared with unless somebody says so: what it was compared with before,
+    /// its parent, or for the base the first of all.
+    fn usual_other(&self) -> Option<ScenarioId> {
+        if let Some(compare) = &self.compare {
+            return compare.other.clone();
+        }
+        let project = self.document.project();
+        match &project.scenario {
+            Some(id) => project.scenario(id)?.parent.clone(),
+            None => project.scenarios.first().map(|s| s.id.clone()),
+        }
     }
 
     fn set_theme(&mut self, theme: ThemePreference, ctx: &egui::Context) {

@@ -16,6 +16,8 @@ impl Studio {
         self.waker.attach(&cc.egui_ctx);
         self.title.clear();
         self.closing = false;
+        self.render_state.clone_from(&cc.wgpu_render_state);
+        self.compare = None;
         self.set_stage(cc.wgpu_render_state.as_ref());
         self.look_for_recent();
     }

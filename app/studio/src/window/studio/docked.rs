@@ -1,6 +1,8 @@
 //! Drawing the panes.
 
-use eframe::egui::{self, CentralPanel, CursorIcon, Frame, Margin, Panel, Stroke, Ui, Visuals};
+use eframe::egui::{
+    self, CentralPanel, CursorIcon, Frame, Margin, Panel, ScrollArea, Stroke, Ui, Visuals,
+};
 use egui_tiles::{
     Behavior, EditAction, ResizeState, SimplificationOptions, TabState, Tabs, TileId, Tiles,
     UiResponse,
@@ -9,8 +11,9 @@ use egui_tiles::{
 use super::Studio;
 use crate::commands::Command;
 use crate::window::action::Action;
+use crate::window::inspector::element::Shown;
 use crate::window::panes::Pane;
-use crate::window::{history, layers, messages, place, scene, statistics, status};
+use crate::window::{elements, history, layers, messages, place, scene, statistics, status};
 
 /// Smallest side of a pane, points.
 const LEAST: f32 = 70.0;
@@ -42,9 +45,21 @@ impl Studio {
         match pane {
             Pane::View => self.viewport(ui, actions),
             Pane::Layers => layers::show(ui, engine, self.selected.as_ref(), actions),
-            Pane::Inspector => self
-                .inspector
-                .show(ui, engine, self.selected.as_ref(), actions),
+            Pane::Elements => {
+                let (scenario, shown) = (self.scenario(), self.elements());
+                let selected = self.selected_element.as_ref();
+                elements::show(ui, scenario.as_ref(), &shown, selected, actions);
+            }
+            Pane::Scenarios => {
+                let compared = self.compare.as_ref().map(|c| (c.other.clone(), c.mode));
+                self.scenarios
+                    .show(ui, engine.project(), compared.as_ref(), actions);
+            }
+            Pane::Bookmarks => {
+                let camera = *self.navigation.camera();
+                self.bookmarks.show(ui, engine.project(), &camera, actions);
+            }
+            Pane::Inspector => self.inspect(ui, actions),
             Pane::Scene => scene::show(ui, engine.project(), actions),
             Pane::History => history::show(ui, engine, actions),
             Pane::Messages => messages::show(ui, engine, &mut self.log, actions),
@@ -59,6 +74,32 @@ impl Studio {
                 statistics::show(ui, engine, frame, &self.status);
             }
         }
+    }
+}
+
+impl Studio {
+    /// Settings of the selected element, or else of the selected layer.
+    fn inspect(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let Some(element) = self.selected_element() else {
+            let engine = self.document.engine();
+            self.inspector
+                .show(ui, engine, self.selected.as_ref(), actions);
+            return;
+        };
+        let vertex = self.tools.vertex.as_ref();
+        let shown = Shown {
+            scenario: self.scenario(),
+            element: &element,
+            vertex: vertex
+                .filter(|(id, _)| *id == element.id)
+                .map(|(_, spot)| *spot),
+        };
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                self.element_form.show(ui, &shown, actions);
+                ui.add_space(8.0);
+            });
     }
 }
 

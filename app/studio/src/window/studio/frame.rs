@@ -20,6 +20,7 @@ impl Studio {
         let ctx = ui.ctx().clone();
         self.take_events(&ctx);
         self.take_dropped(&ctx);
+        self.mind_file(&ctx);
         self.guard_close(&ctx);
         self.refit_stage(frame);
         if self.stage.as_ref().is_some_and(Stage::is_lost) {

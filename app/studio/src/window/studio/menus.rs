@@ -81,6 +81,9 @@ impl Studio {
         if let Command::Toggle(pane) = command {
             return self.layout.is_open(pane);
         }
+        if let Command::Use(tool) = command {
+            return self.tools.tool == tool;
+        }
         let themes = [
             (Command::FollowSystem, ThemePreference::System),
             (Command::Dark, ThemePreference::Dark),

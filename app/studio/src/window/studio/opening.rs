@@ -9,6 +9,7 @@ use super::{Dragging, Studio, engine_options};
 use crate::window::dialogs::Then;
 use crate::window::document::Document;
 use crate::window::messages::Weight;
+use crate::window::tools::Tools;
 
 impl Studio {
     /// Opens a project in place of the one that is open, whose changes are lost.
@@ -18,6 +19,7 @@ impl Studio {
     pub fn open_project(&mut self, path: &Path) -> Result<(), OpenError> {
         let document = Document::open(path, engine_options(&self.options, &self.waker))?;
         self.show(document);
+        self.guard();
         self.remember();
         Ok(())
     }
@@ -38,7 +40,12 @@ impl Studio {
         self.selected = document.project().layers.last().map(|l| l.id.clone());
         self.probe.forget();
         self.dragging = Dragging::No;
-        let old = std::mem::replace(&mut self.document, document);
+        self.selected_element = None;
+        self.compare = None;
+        self.tools = Tools::default();
+        self.offer = None;
+        let mut old = std::mem::replace(&mut self.document, document);
+        old.engine_mut().forget_unsaved();
         // Its threads finish what they are at; that is nothing to wait for here.
         let close = std::thread::Builder::new()
             .name("relievo-close".to_owned())

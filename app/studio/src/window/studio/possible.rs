@@ -12,14 +12,23 @@ impl Studio {
             .as_ref()
             .and_then(|id| self.document.project().layer(id));
         let unlocked = layer.is_some_and(|l| !l.locked);
+        let element = self.selected_element();
         match command {
             Command::Undo => history.undo_label().is_some(),
             Command::Redo => history.redo_label().is_some(),
+            Command::RemoveLayer | Command::MoveUp | Command::MoveDown | Command::ToggleVisible
+                if element.is_some() =>
+            {
+                element.is_some_and(|e| !e.locked)
+            }
             Command::RemoveLayer | Command::MoveUp | Command::MoveDown | Command::ToggleVisible => {
                 unlocked
             }
+            Command::ZoomToLayer if element.is_some() => true,
             Command::ZoomToLayer => layer.is_some_and(|l| l.source().is_some()),
             Command::Locate => unlocked && layer.is_some_and(|l| l.source().is_some()),
+            Command::Compare(_) => !self.document.project().scenarios.is_empty(),
+            Command::StopComparing => self.compare.is_some(),
             Command::Screenshot => self.stage.is_some(),
             Command::New
             | Command::Open
@@ -35,6 +44,8 @@ impl Studio {
             | Command::Toggle(_)
             | Command::ResetPanes
             | Command::Palette
+            | Command::Use(_)
+            | Command::AddBookmark
             | Command::FollowSystem
             | Command::Dark
             | Command::Light

@@ -1,0 +1,123 @@
+//! Drawing on the terrain: which tool is chosen and what it is at.
+//!
+//! ```text
+//! pointer --cast--> place --snap--> draft --Enter--> Edit::AddElement
+//!                     |
+//!                     +--> handle of the selected element --each frame--> Edit::ReplaceElement
+//! ```
+//!
+//! Invariant: what is drawn and not yet closed is no part of the project; what is dragged is, as one
+//! undo step.
+
+mod bar;
+mod brush;
+mod draft;
+mod handles;
+mod labels;
+mod measure;
+mod paint;
+mod pick;
+mod snap;
+pub(crate) mod view;
+
+use eframe::egui::Pos2;
+use relievo_engine::project::{ElementId, Vertex};
+
+pub(crate) use brush::BrushSettings;
+pub(crate) use handles::{Held, Spot};
+pub(in crate::window) use handles::{changed, inserted, removed};
+
+/// What the main button of the pointer does on the terrain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Tool {
+    /// Moves the ground, selects elements, drags their vertices.
+    #[default]
+    Select,
+    /// Draws an area.
+    Polygon,
+    /// Draws a line with a width.
+    Corridor,
+    /// Changes heights by hand.
+    Brush,
+    /// Measures lengths and areas.
+    Measure,
+}
+
+impl Tool {
+    /// All of them, in the order of the bar.
+    pub const ALL: [Self; 5] = [
+        Self::Select,
+        Self::Polygon,
+        Self::Corridor,
+        Self::Brush,
+        Self::Measure,
+    ];
+
+    /// What the bar calls it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Select => "Select",
+            Self::Polygon => "Polygon",
+            Self::Corridor => "Corridor",
+            Self::Brush => "Brush",
+            Self::Measure => "Measure",
+        }
+    }
+
+    /// What to do with it.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::Select => {
+                "Click an element to select it, drag its vertices, click a small handle to add one"
+            }
+            Self::Polygon => {
+                "Click vertices. Enter or a double click closes, Backspace removes the last, Esc cancels"
+            }
+            Self::Corridor => {
+                "Click along the axis. Enter or a double click ends, Backspace removes the last, Esc cancels"
+            }
+            Self::Brush => "Drag over the ground. The right button turns the view, Esc ends",
+            Self::Measure => {
+                "Click along the way. Backspace removes the last, Enter begins anew, Esc ends"
+            }
+        }
+    }
+}
+
+/// Everything that tools remember from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct Tools {
+    pub(crate) tool: Tool,
+    /// Vertices of what is being drawn.
+    pub(crate) draft: Vec<Vertex>,
+    /// Where the next vertex would be.
+    pub(crate) next: Option<Vertex>,
+    /// The vertex that is dragged.
+    pub(crate) held: Option<Held>,
+    /// The vertex that keys act on.
+    pub(crate) vertex: Option<(ElementId, Spot)>,
+    pub(crate) brush: BrushSettings,
+    /// The brush is down on this element.
+    pub(crate) stroke: Option<ElementId>,
+    /// Where the pointer is on the screen.
+    pointer: Option<Pos2>,
+}
+
+impl Tools {
+    /// Takes another tool; what was begun is given up.
+    pub(crate) fn choose(&mut self, tool: Tool) {
+        self.tool = tool;
+        self.forget();
+    }
+
+    /// Gives up what was begun.
+    pub(crate) fn forget(&mut self) {
+        self.draft.clear();
+        (self.next, self.held, self.vertex, self.stroke) = (None, None, None, None);
+    }
+}
+
+/// Vertices that a ring or a line needs.
+pub(crate) fn least_vertices(is_ring: bool) -> usize {
+    if is_ring { 3 } else { 2 }
+}
