@@ -241,6 +241,12 @@ impl Draft {
         Footprint::new(parts, None, reach)
     }
 
+    /// Area within the reach, about.
+    pub(crate) fn area_m2(&self) -> f64 {
+        let area = |p: &Path| 2.0 * p.radius_m * (p.length_m + 2.0 * p.radius_m);
+        self.paths.iter().map(area).sum()
+    }
+
     /// Heights of the ground that decide it.
     pub(crate) fn need(&self) -> Option<GroundNeed> {
         let mut need = GroundNeed {

@@ -160,6 +160,12 @@ impl Draft {
         }
     }
 
+    /// Area within the reach, about.
+    pub(crate) fn area_m2(&self) -> f64 {
+        let around = 2.0 * (self.half_m() + self.reach_m());
+        around * (self.stations[self.stations.len() - 1].along_m + around)
+    }
+
     /// Runs of stations that share a frame: first and last.
     fn runs(&self) -> Vec<(usize, usize)> {
         let mut runs = Vec::new();

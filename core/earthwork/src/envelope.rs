@@ -209,6 +209,12 @@ impl Envelope {
         }
     }
 
+    /// Ends of all segments.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+        let end = |e: &Edge| (e.from, e.from + e.along * e.length);
+        self.edges.iter().map(end)
+    }
+
     /// Distance from a point to the boundary.
     pub(crate) fn distance(&self, p: DVec2) -> f64 {
         self.tree

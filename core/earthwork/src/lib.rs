@@ -11,6 +11,7 @@
 mod brush;
 mod check;
 mod corridor;
+pub mod daylight;
 pub mod design;
 pub mod element;
 mod envelope;
@@ -29,6 +30,7 @@ mod tin;
 mod tree;
 pub mod warning;
 
+pub use daylight::{DaylightLine, Ending};
 pub use design::{Design, Outcome, Part, Samples};
 pub use element::{
     Corridor, Element, Polygon, Profile, Section, Shape, Side, Stroke, Surface, Tool, Vertex,

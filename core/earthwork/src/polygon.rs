@@ -67,9 +67,9 @@ impl Draft {
         let mut spacing_m = 0.0;
         if matches!(surface, Surface::Offset { .. } | Surface::Smooth) {
             let (width, length) = outline.size_m();
-            spacing_m = (f64::max(width, length) / 400.0)
+            spacing_m = (f64::max(width, length) / 150.0)
                 .max(outline.boundary_m() / MOST_CORNERS)
-                .max(0.02);
+                .max(0.05);
             outline.refine(spacing_m);
         }
         let from_ground: Vec<u32> = match surface {
@@ -81,7 +81,7 @@ impl Draft {
         };
         if is_tin {
             let (width, length) = outline.size_m();
-            spacing_m = (f64::max(width, length) / 400.0).max(0.02);
+            spacing_m = (f64::max(width, length) / 150.0).max(0.05);
         }
         Some(Self {
             frame,
@@ -110,6 +110,12 @@ impl Draft {
             Some((self.frame, self.rings())),
             self.reach_m(),
         )
+    }
+
+    /// Area within the reach, about.
+    pub(crate) fn area_m2(&self) -> f64 {
+        let (width, length) = self.outline.size_m();
+        (width + 2.0 * self.reach_m()) * (length + 2.0 * self.reach_m())
     }
 
     fn rings(&self) -> Rings {

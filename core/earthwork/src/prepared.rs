@@ -28,6 +28,8 @@ pub struct Prepared {
     planet: Planet,
     draft: Draft,
     footprint: Arc<Footprint>,
+    /// Area within its reach, square metres, about.
+    area_m2: f64,
     need: Option<Arc<GroundNeed>>,
     warnings: Warnings,
     /// The shape of an element that needs no ground.
@@ -73,17 +75,18 @@ impl Prepared {
             }
         };
         let draft = draft.unwrap_or(Draft::Nothing);
-        let (footprint, need) = match &draft {
-            Draft::Polygon(d) => (d.footprint(), d.need()),
-            Draft::Corridor(d) => (d.footprint(), d.need()),
-            Draft::Brush(d) => (d.footprint(), d.need()),
-            Draft::Nothing => (Footprint::default(), None),
+        let (footprint, need, area_m2) = match &draft {
+            Draft::Polygon(d) => (d.footprint(), d.need(), d.area_m2()),
+            Draft::Corridor(d) => (d.footprint(), d.need(), d.area_m2()),
+            Draft::Brush(d) => (d.footprint(), d.need(), d.area_m2()),
+            Draft::Nothing => (Footprint::default(), None, 0.0),
         };
         let mut prepared = Self {
             element,
             planet,
             draft,
             footprint: Arc::new(footprint),
+            area_m2,
             need: need.map(Arc::new),
             warnings,
             ready: None,
@@ -117,6 +120,13 @@ impl Prepared {
     /// Whether it may change something in a rectangle: always true where it does, rarely elsewhere.
     pub fn touches(&self, rect: &MapRect) -> bool {
         self.footprint.touches(rect)
+    }
+
+    /// Whether it is worth evaluating on samples of side `spacing_m` metres: one that changes 100 m over
+    /// all of its reach, but the mean height of a sample by less than a thousandth of the sample's
+    /// side, is not. So that far away a city of elements costs nothing.
+    pub fn matters_at(&self, spacing_m: f64) -> bool {
+        100.0 * self.area_m2 >= 1e-3 * spacing_m * spacing_m * spacing_m
     }
 
     /// Heights of the ground that decide it; `None` if it depends on none beforehand (most kinds).

@@ -337,3 +337,47 @@ fn an_offset_lies_above_the_ground_and_an_infill_within_it() {
         assert!((h - (200.0 + 0.1 * x)).abs() < 1e-2, "{x} {y} {h}");
     }
 }
+
+#[test]
+fn a_daylight_line_lies_where_slopes_meet_the_ground_and_names_walls() {
+    let frame = alps();
+    let side = Side {
+        max_reach_m: 25.0,
+        ..Side::default()
+    };
+    let pad = polygon(
+        &frame,
+        &square(20.0),
+        Surface::Platform { height_m: 108.0 },
+        side,
+    );
+    let shape = shaped(&frame, pad);
+    // Level in the west, in the east a valley that fills do not reach the bottom of.
+    let ground = |p: DVec2| if p.x < 0.0 { 100.0 } else { 100.0 - 2.0 * p.x };
+    let lines = shape
+        .daylight::<core::convert::Infallible>(1.0, &mut |places| {
+            Ok(places.iter().map(|p| ground(frame.from_map(*p))).collect())
+        })
+        .unwrap_or_default();
+    let (mut met, mut walls) = (0, 0);
+    for line in &lines {
+        for place in &line.places[1..] {
+            let p = frame.from_map(*place);
+            let out = (p.abs() - 20.0).max(DVec2::ZERO).length();
+            match line.ending {
+                relievo_earthwork::Ending::Meets => {
+                    met += 1;
+                    assert!(
+                        (out - 2.0 * (108.0 - ground(p))).abs() < 0.05 || p.x > -1.0,
+                        "{p} {out}"
+                    );
+                }
+                relievo_earthwork::Ending::ReachWall => {
+                    walls += 1;
+                    assert!((out - 25.0).abs() < 0.01 && p.x > 0.0, "{p} {out}");
+                }
+            }
+        }
+    }
+    assert!(met > 60 && walls > 60, "{met} {walls}");
+}

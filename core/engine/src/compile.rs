@@ -23,8 +23,9 @@ use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
 use relievo_vector::Drawing;
 
+use crate::elements::ElementCache;
 use crate::message::{Message, Severity};
-use crate::scene::{Detail, Roots, Scene};
+use crate::scene::{Detail, Elements, Roots, Scene};
 use crate::sources::{SourceState, Sources};
 use crate::vectors;
 
@@ -37,12 +38,13 @@ const FINEST: u8 = 24;
 pub(crate) struct NodeCache {
     nodes: Mutex<HashMap<String, Arc<dyn ImageNode>>>,
     warps: Mutex<HashMap<String, Arc<Warp>>>,
+    elements: ElementCache,
 }
 
 impl NodeCache {
     /// Number of nodes and geometries that are kept.
     pub(crate) fn len(&self) -> usize {
-        self.nodes.lock().len() + self.warps.lock().len()
+        self.nodes.lock().len() + self.warps.lock().len() + self.elements.len()
     }
 
     fn get(
@@ -62,6 +64,7 @@ impl NodeCache {
 pub(crate) struct Compiled {
     graph: Graph,
     roots: Roots,
+    elements: Elements,
     layers: HashMap<NodeIndex, LayerId>,
     details: Vec<Detail>,
     pub(crate) problems: Vec<Message>,
@@ -75,6 +78,7 @@ impl Compiled {
             revision,
             Arc::new(self.graph),
             self.roots,
+            self.elements,
             self.layers,
             self.details,
             self.left_out,
@@ -104,7 +108,9 @@ pub(crate) fn compile(
         problems: Vec::new(),
         left_out: Vec::new(),
     };
-    let height = compiler.heights(project);
+    compiler.builder.keep_artefacts(nodes.elements.artefacts());
+    let ground = compiler.heights(project);
+    let (height, elements) = compiler.elements(project, ground);
     let normal = compiler.normals(height);
     let colour = compiler.colours(project, height, pinned);
     *nodes.nodes.lock() = compiler.used.into_iter().collect();
@@ -112,10 +118,12 @@ pub(crate) fn compile(
     Compiled {
         graph: compiler.builder.build(),
         roots: Roots {
+            ground,
             height,
             colour,
             normal,
         },
+        elements,
         layers: compiler.layers,
         details: compiler.details,
         problems: compiler.problems,
@@ -175,6 +183,39 @@ impl Compiler<'_> {
         below
     }
 
+    /// What the planning elements of the shown scenario make of the ground.
+    fn elements(&mut self, project: &Project, ground: NodeIndex) -> (NodeIndex, Elements) {
+        let elements = project.elements_in(project.scenario.as_ref());
+        let plan = self.nodes.elements.plan(self.planet, &elements);
+        for (element, text) in &plan.warnings {
+            self.problems.push(Message {
+                severity: Severity::Warning,
+                layer: None,
+                element: Some(element.clone()),
+                text: text.clone(),
+            });
+        }
+        let Some(node) = plan.node(self.planet) else {
+            return (ground, Elements::default());
+        };
+        let planned = self
+            .builder
+            .add(Arc::clone(&node) as Arc<dyn ImageNode>, &[ground]);
+        self.builder.cut(planned, SampleType::Height);
+        if let Some(detail_m) = plan.detail_m() {
+            self.details.push(Detail {
+                node: planned,
+                finest: level_of_step(detail_m / self.planet.radius_m),
+                within: Some(Arc::clone(&node)),
+            });
+        }
+        let elements = Elements {
+            node: Some(node),
+            ids: plan.placed.into_iter().map(|(id, _)| id).collect(),
+        };
+        (planned, elements)
+    }
+
     fn height_layer(&mut self, layer: &Layer, below: NodeIndex) -> Option<NodeIndex> {
         let opacity = layer.opacity as f32;
         match &layer.kind {
@@ -185,7 +226,7 @@ impl Compiler<'_> {
                 let (scale, offset) = (height.vertical_scale, height.offset_m);
                 let top = self.file_node(layer, &file, &height.source, (scale, offset))?;
                 self.builder.cut(top, SampleType::Height);
-                self.details.push(Detail { node: top, finest });
+                self.details.push(Detail::everywhere(top, finest));
                 let (inputs, masked) = self.with_fade(layer, &file, &height.source, below, top)?;
                 Some(self.add(
                     layer,
@@ -220,10 +261,8 @@ impl Compiler<'_> {
                         .lacunarity
                         .powi(params.octaves.saturating_sub(1) as i32);
                 let step_rad = shortest_m / (4.0 * self.planet.radius_m);
-                self.details.push(Detail {
-                    node: top,
-                    finest: level_of_step(step_rad),
-                });
+                self.details
+                    .push(Detail::everywhere(top, level_of_step(step_rad)));
                 if params.offset_m != 0.0 {
                     let offset = Constant::height((params.offset_m * share) as f32);
                     let offset = self.add(layer, Arc::new(offset), &[]);
@@ -316,7 +355,7 @@ impl Compiler<'_> {
                         SampleType::Rgba8
                     },
                 );
-                self.details.push(Detail { node: top, finest });
+                self.details.push(Detail::everywhere(top, finest));
                 let adjusted = self.adjusted(layer, &imagery.adjust, top);
                 let (inputs, masked) =
                     self.with_fade(layer, &file, &imagery.source, base, adjusted)?;
@@ -419,6 +458,7 @@ impl Compiler<'_> {
         self.problems.push(Message {
             severity: Severity::Error,
             layer: Some(layer.id.clone()),
+            element: None,
             text,
         });
     }

@@ -6,6 +6,8 @@
 pub mod analysis;
 pub mod bake;
 mod compile;
+mod element_answers;
+mod elements;
 pub mod engine;
 pub mod frame;
 pub mod histogram;
@@ -23,6 +25,7 @@ mod vectors;
 mod view;
 
 pub use bake::{Bake, BakeError, Output};
+pub use element_answers::ElementAnswer;
 pub use engine::{
     DEFAULT_DISK_CACHE_BYTES, Engine, EngineOptions, EngineStats, Guarded, Kept, OpenError,
     default_cache_folder, default_state_folder, folder_of,
@@ -43,6 +46,7 @@ pub use view::View;
 // A front-end needs their types, and this is the only door.
 pub use relievo_analysis::{Measure, Profile, ProfileSettings};
 pub use {
-    relievo_graph as graph, relievo_planet as planet, relievo_project as project,
-    relievo_raster as raster, relievo_tiles as tiles, relievo_vector as vector,
+    relievo_earthwork as earthwork, relievo_graph as graph, relievo_planet as planet,
+    relievo_project as project, relievo_raster as raster, relievo_tiles as tiles,
+    relievo_vector as vector,
 };

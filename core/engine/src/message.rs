@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use relievo_graph::RenderError;
-use relievo_project::LayerId;
+use relievo_project::{ElementId, LayerId};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -21,6 +21,8 @@ pub struct Message {
     pub severity: Severity,
     /// The layer it is about, where there is one.
     pub layer: Option<LayerId>,
+    /// The planning element it is about, where there is one.
+    pub element: Option<ElementId>,
     /// One line: what, expected, found.
     pub text: String,
 }
@@ -50,6 +52,7 @@ impl Messages {
         let message = Message {
             severity: Severity::Error,
             layer: None,
+            element: None,
             text: error.to_string(),
         };
         if self.all.len() < KEPT && !self.all.contains(&message) {

@@ -4,11 +4,12 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
+use relievo_graph::nodes::Earthwork;
 use relievo_graph::{ContentId, Graph, NodeIndex};
 use relievo_planet::clipmap::Window;
 use relievo_planet::clipmap::levels::{columns_exponent, reach_rad};
 use relievo_planet::{Grid, LevelKey, MapPoint, TileKey};
-use relievo_project::LayerId;
+use relievo_project::{ElementId, LayerId};
 use relievo_tiles::Want;
 
 use crate::ClipKind;
@@ -24,6 +25,8 @@ pub(crate) struct Scene {
     pub(crate) roots: Roots,
     /// The layer behind each node, where one is.
     pub(crate) layers: HashMap<NodeIndex, LayerId>,
+    /// The planning elements that take part.
+    pub(crate) elements: Elements,
     /// How fine each source is.
     details: Vec<Detail>,
     /// Layers that the graph leaves out, and why.
@@ -34,6 +37,9 @@ pub(crate) struct Scene {
 /// The cut points that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Roots {
+    /// The heights of all height layers together, without planning elements.
+    pub(crate) ground: NodeIndex,
+    /// The heights that are shown.
     pub(crate) height: NodeIndex,
     /// `None` when no layer gives colour.
     pub(crate) colour: Option<NodeIndex>,
@@ -42,12 +48,34 @@ pub(crate) struct Roots {
 }
 
 /// How fine one source is.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone)]
 pub(crate) struct Detail {
     /// The node that reads or makes it.
     pub(crate) node: NodeIndex,
     /// Finest level n that it is worth.
     pub(crate) finest: u8,
+    /// Where these elements act only; elsewhere the node hands something coarser through.
+    pub(crate) within: Option<Arc<Earthwork>>,
+}
+
+impl Detail {
+    /// Wherever the node gives anything.
+    pub(crate) fn everywhere(node: NodeIndex, finest: u8) -> Self {
+        Self {
+            node,
+            finest,
+            within: None,
+        }
+    }
+}
+
+/// Planning elements of a scene.
+#[derive(Clone, Default)]
+pub(crate) struct Elements {
+    /// The node that makes their heights; `None` without elements.
+    pub(crate) node: Option<Arc<Earthwork>>,
+    /// Their ids in the order of the node's list.
+    pub(crate) ids: Vec<ElementId>,
 }
 
 impl Scene {
@@ -55,6 +83,7 @@ impl Scene {
         revision: u64,
         graph: Arc<Graph>,
         roots: Roots,
+        elements: Elements,
         layers: HashMap<NodeIndex, LayerId>,
         details: Vec<Detail>,
         left_out: Vec<(LayerId, &'static str)>,
@@ -63,6 +92,7 @@ impl Scene {
             revision,
             graph,
             roots,
+            elements,
             layers,
             details,
             left_out,
@@ -92,7 +122,11 @@ impl Scene {
 
     /// Finest level n for which some source as fine as that reaches into a grid of the level.
     pub(crate) fn finest_in(&self, grid_of: impl Fn(u8) -> Grid) -> u8 {
-        let reaches = |n: u8, node: NodeIndex| {
+        let reaches = |n: u8, detail: &Detail| {
+            let node = detail.node;
+            if let Some(elements) = &detail.within {
+                return !elements.is_idle(&grid_of(n));
+            }
             !self
                 .graph
                 .known(node, &grid_of(n))
@@ -103,7 +137,7 @@ impl Scene {
             .find(|n| {
                 self.details
                     .iter()
-                    .any(|d| d.finest >= *n && reaches(*n, d.node))
+                    .any(|d| d.finest >= *n && reaches(*n, d))
             })
             .unwrap_or(0)
     }

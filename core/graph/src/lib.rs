@@ -10,7 +10,9 @@ pub mod graph;
 pub mod id;
 pub mod node;
 pub mod nodes;
+pub mod places;
 
 pub use graph::{Artefacts, Graph, GraphBuilder, NodeIndex, TileInputs};
 pub use id::{ContentId, IdHasher};
 pub use node::{Artefact, ImageNode, Job, Known, Made, RenderError};
+pub use places::Pieces;

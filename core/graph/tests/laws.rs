@@ -6,12 +6,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use proptest::prelude::*;
+use relievo_earthwork::{Element, Prepared, Profile, Section, Shape, Side, Surface, Vertex};
 use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, BlendMode, Constant, ContourLines, ContourStyle, Memory,
-    Noise, NoiseParams, Normals, Overlay, OverlayHeights, SlopeAngle, Stop, Tint, Vector,
+    AddHeights, Adjust, AdjustParams, BlendMode, Constant, ContourLines, ContourStyle, Earthwork,
+    Memory, Noise, NoiseParams, Normals, Overlay, OverlayHeights, PlacedElement, SlopeAngle, Stop,
+    Tint, Vector,
 };
 use relievo_graph::{ContentId, Graph, GraphBuilder, IdHasher, ImageNode, Job, NodeIndex};
-use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
+use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect, TileKey};
 use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
 use relievo_vector::style::Length;
 use relievo_vector::{Builder, Drawing, Style};
@@ -96,6 +98,54 @@ fn vector(width: Length) -> Arc<Vector> {
     };
     let drawing = Drawing::new(Arc::new(features), style, Planet::EARTH);
     Arc::new(Vector::new(Arc::new(drawing)))
+}
+
+/// A platform as large as a continent, and a road finer than the samples.
+fn earthwork(height_m: f64) -> Arc<Earthwork> {
+    let vertex = |(lon_rad, colat_rad, height_m): &(f64, f64, Option<f64>)| Vertex {
+        place: MapPoint::new(*lon_rad, *colat_rad),
+        height_m: *height_m,
+    };
+    let ring = [
+        (-1.0, 1.9),
+        (-0.4, 2.0),
+        (-0.5, 2.5),
+        (-0.8, 2.1),
+        (-1.1, 2.6),
+    ];
+    let platform = Shape::Polygon(relievo_earthwork::Polygon {
+        outline: ring.iter().map(|(x, y)| vertex(&(*x, *y, None))).collect(),
+        holes: Vec::new(),
+        breaklines: Vec::new(),
+        surface: Surface::Platform { height_m },
+    });
+    let line = [
+        (-1.2, 2.2, Some(100.0)),
+        (-0.2, 2.3, None),
+        (3.3, 2.9, Some(900.0)),
+    ];
+    let road = Shape::Corridor(relievo_earthwork::Corridor {
+        line: line.iter().map(vertex).collect(),
+        profile: Profile::Heights,
+        section: Section::Road {
+            width_m: 30_000.0,
+            crossfall_percent: 0.0,
+        },
+    });
+    let side = Side {
+        max_reach_m: 90_000.0,
+        cut_slope: 0.02,
+        fill_slope: 0.01,
+        wall: false,
+    };
+    let elements = [platform, road].map(|shape| {
+        let element = Arc::new(Element { shape, side });
+        Arc::new(PlacedElement::new(Arc::new(Prepared::new(
+            Planet::EARTH,
+            element,
+        ))))
+    });
+    Arc::new(Earthwork::new(Planet::EARTH, elements.into()))
 }
 
 /// Every node of the crate that needs no file.
@@ -186,6 +236,8 @@ fn registry() -> Vec<Entry> {
             Arc::new(Normals::new(Planet::EARTH, 1.0)),
             HEIGHT,
         ),
+        entry("earthwork", earthwork(500.0), HEIGHT),
+        entry("other earthwork", earthwork(501.0), HEIGHT),
         entry(
             "steep normals",
             Arc::new(Normals::new(Planet::EARTH, 50.0)),

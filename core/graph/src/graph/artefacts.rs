@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
-use relievo_planet::Grid;
+use relievo_planet::{Grid, Lattice};
 use relievo_raster::Cancel;
 
 use super::resolve::Resolver;
@@ -127,11 +127,20 @@ pub(super) fn name(graph: &Graph, node: NodeIndex, artefact: &dyn Artefact) -> C
     }
     let mut id = IdHasher::default();
     id.bytes(b"artefact").id(key.1);
+    // Mostly all of one lattice.
+    let mut resolver: Option<(Arc<Lattice>, Resolver)> = None;
     for (input, grid) in artefact.reads() {
         id.int(input as i64).grid(&grid);
         let input = graph.entry(node).inputs[input];
-        Resolver::new(graph, Arc::clone(&grid.lattice), None)
-            .add_surroundings(input, &grid.rect, &mut id);
+        let same = |(lattice, _): &(Arc<Lattice>, Resolver)| Arc::ptr_eq(lattice, &grid.lattice);
+        let (_, resolver) = match &mut resolver {
+            Some(known) if same(known) => known,
+            other => other.insert((
+                Arc::clone(&grid.lattice),
+                Resolver::new(graph, Arc::clone(&grid.lattice), None),
+            )),
+        };
+        resolver.add_surroundings(input, &grid.rect, &mut id);
     }
     let name = id.finish();
     graph.artefact_names.lock().insert(key, name);

@@ -3,7 +3,10 @@
 mod ground_shape;
 mod reach;
 
+use std::collections::VecDeque;
 use std::sync::Arc;
+
+use parking_lot::Mutex;
 
 use relievo_earthwork::{Design, MapIndex, Outcome, Prepared, Samples, Shaped};
 use relievo_planet::{Grid, GridCrs, MapPoint, Planet, SampleRect};
@@ -54,7 +57,12 @@ pub struct Earthwork {
     planet: Planet,
     elements: Vec<Arc<PlacedElement>>,
     index: MapIndex,
+    /// What touches the grids that were asked about last: each is asked about several times.
+    asked: Mutex<VecDeque<(Grid, Arc<[u32]>)>>,
 }
+
+/// Grids whose elements are remembered.
+const REMEMBERED: usize = 8;
 
 impl Earthwork {
     /// The elements in the order of their list: later ones win.
@@ -63,6 +71,7 @@ impl Earthwork {
             planet,
             index: MapIndex::new(elements.iter().map(|e| e.prepared.reach())),
             elements,
+            asked: Mutex::default(),
         }
     }
 
@@ -72,17 +81,35 @@ impl Earthwork {
     }
 
     /// Positions in the list of those that may change samples of a grid.
-    pub fn touching(&self, grid: &Grid) -> Vec<u32> {
+    pub fn touching(&self, grid: &Grid) -> Arc<[u32]> {
         if self.elements.is_empty() || grid.rect.is_empty() {
-            return Vec::new();
+            return Arc::default();
         }
+        let known = self.asked.lock();
+        if let Some((_, found)) = known.iter().find(|(g, _)| g == grid) {
+            return Arc::clone(found);
+        }
+        drop(known);
+        let found: Arc<[u32]> = self.find(grid).into();
+        let mut asked = self.asked.lock();
+        asked.truncate(REMEMBERED - 1);
+        asked.push_front((grid.clone(), Arc::clone(&found)));
+        found
+    }
+
+    fn find(&self, grid: &Grid) -> Vec<u32> {
+        // A plane that shows no place has no spacing, and nothing is left out there.
+        let spacing_m = self.spacing_m(grid).unwrap_or(0.0);
         // Elements narrower than two samples also act on samples next to them.
         let rects = reach::map_rects(&grid.with_rect(grid.rect.grow(1)));
         let mut found: Vec<u32> = rects
             .iter()
             .flat_map(|rect| {
                 let near = self.index.touching(rect).into_iter();
-                near.filter(|i| self.elements[*i as usize].prepared.touches(rect))
+                near.filter(|i| {
+                    let prepared = &self.elements[*i as usize].prepared;
+                    prepared.matters_at(spacing_m) && prepared.touches(rect)
+                })
             })
             .collect();
         found.sort_unstable();
@@ -200,8 +227,8 @@ impl ImageNode for Earthwork {
             .grid(grid);
         let touching = self.touching(grid);
         id.int(touching.len() as i64);
-        for i in touching {
-            id.id(self.elements[i as usize].name);
+        for i in &*touching {
+            id.id(self.elements[*i as usize].name);
         }
     }
 
@@ -220,8 +247,8 @@ impl ImageNode for Earthwork {
     fn artefacts(&self, grid: &Grid) -> Vec<Arc<dyn Artefact>> {
         let touching = self.touching(grid);
         touching
-            .into_iter()
-            .filter_map(|i| self.elements[i as usize].shape.clone())
+            .iter()
+            .filter_map(|i| self.elements[*i as usize].shape.clone())
             .map(|shape| shape as Arc<dyn Artefact>)
             .collect()
     }

@@ -1,0 +1,275 @@
+//! Planning elements, from the project's to those that change heights.
+//!
+//! An element that an edit leaves alone is shared by all revisions and scenarios that hold it, and so is
+//! what was prepared for it: a drag prepares the one element that it changes.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+use relievo_earthwork as earthwork;
+use relievo_graph::Artefacts;
+use relievo_graph::nodes::{Earthwork, PlacedElement};
+use relievo_planet::{MapPoint, Planet};
+use relievo_project::{
+    BrushTool, Element, ElementId, ElementKind, ProfileKind, SectionKind, SideSlopes, SurfaceKind,
+    Vertices,
+};
+
+/// Compilations for which an element that nobody uses any more is kept: for undo, and for scenarios
+/// that are compared.
+const KEPT_FOR: u64 = 16;
+
+/// Elements that were prepared.
+#[derive(Default)]
+pub(crate) struct ElementCache {
+    kept: Mutex<Kept>,
+    artefacts: Arc<Artefacts>,
+}
+
+#[derive(Default)]
+struct Kept {
+    /// By the element's address, which stays its own while it is kept here.
+    placed: HashMap<usize, Placed>,
+    clock: u64,
+}
+
+struct Placed {
+    element: Arc<Element>,
+    planet: Planet,
+    placed: Option<Arc<PlacedElement>>,
+    used: u64,
+}
+
+/// Elements as a graph needs them.
+pub(crate) struct Plan {
+    /// Those that take part, the first at the bottom.
+    pub(crate) placed: Vec<(ElementId, Arc<PlacedElement>)>,
+    /// What is odd: whose, its name, and what.
+    pub(crate) warnings: Vec<(ElementId, String)>,
+}
+
+impl ElementCache {
+    /// Where artefacts are kept from revision to revision.
+    pub(crate) fn artefacts(&self) -> &Arc<Artefacts> {
+        &self.artefacts
+    }
+
+    /// Number of elements that are kept.
+    pub(crate) fn len(&self) -> usize {
+        self.kept.lock().placed.len()
+    }
+
+    /// Prepares visible elements that are not prepared yet.
+    pub(crate) fn plan(&self, planet: Planet, elements: &[Arc<Element>]) -> Plan {
+        let mut kept = self.kept.lock();
+        kept.clock += 1;
+        let now = kept.clock;
+        let mut plan = Plan {
+            placed: Vec::new(),
+            warnings: Vec::new(),
+        };
+        for element in elements.iter().filter(|e| e.visible) {
+            let address = Arc::as_ptr(element).addr();
+            let slot = kept.placed.entry(address).or_insert_with(|| Placed {
+                element: Arc::clone(element),
+                planet,
+                placed: place(planet, element),
+                used: now,
+            });
+            if slot.planet != planet {
+                slot.planet = planet;
+                slot.placed = place(planet, element);
+            }
+            slot.used = now;
+            for list in slot.element.vertex_lists() {
+                if let Some(file) = list.missing() {
+                    let text = format!(
+                        "element {:?}: {} vertices lie in a file that is missing",
+                        element.name, file.vertices
+                    );
+                    plan.warnings.push((element.id.clone(), text));
+                }
+            }
+            let Some(placed) = &slot.placed else {
+                let text = format!(
+                    "element {:?} is of a kind that a newer program made; it is left out",
+                    element.name
+                );
+                plan.warnings.push((element.id.clone(), text));
+                continue;
+            };
+            // What is known with the ground says more where there is no need for it.
+            let prepared = placed.prepared();
+            let warnings = match prepared.ready() {
+                Some(shaped) => shaped.warnings(),
+                None => prepared.warnings(),
+            };
+            for warning in warnings {
+                let text = format!("element {:?}: {warning}", element.name);
+                plan.warnings.push((element.id.clone(), text));
+            }
+            plan.placed.push((element.id.clone(), Arc::clone(placed)));
+        }
+        kept.placed.retain(|_, p| p.used + KEPT_FOR > now);
+        plan
+    }
+}
+
+impl Plan {
+    /// The node, if there is anything to do.
+    pub(crate) fn node(&self, planet: Planet) -> Option<Arc<Earthwork>> {
+        if self.placed.is_empty() {
+            return None;
+        }
+        let placed = self.placed.iter().map(|(_, p)| Arc::clone(p)).collect();
+        Some(Arc::new(Earthwork::new(planet, placed)))
+    }
+
+    /// Spacing in metres at which the finest of the elements is worth looking at.
+    pub(crate) fn detail_m(&self) -> Option<f64> {
+        let of = |(_, placed): &(ElementId, Arc<PlacedElement>)| detail_m(placed);
+        self.placed.iter().map(of).reduce(f64::min)
+    }
+}
+
+/// An eighth of what is narrow about an element, so that its edges are seen; 0.25 to 2 m.
+fn detail_m(placed: &PlacedElement) -> f64 {
+    let (low, high) = (0.25, 2.0);
+    let width_m = match &placed.prepared().element().shape {
+        earthwork::Shape::Polygon(_) => return 0.5,
+        earthwork::Shape::Corridor(c) => match c.section {
+            earthwork::Section::Road { width_m, .. } => width_m,
+            earthwork::Section::Dam { crest_width_m } => crest_width_m,
+            earthwork::Section::Trench { bottom_width_m, .. }
+            | earthwork::Section::Channel { bottom_width_m, .. } => bottom_width_m,
+        },
+        earthwork::Shape::Brush(strokes) => strokes
+            .iter()
+            .map(|s| s.radius_m)
+            .fold(high * 8.0, f64::min),
+    };
+    (width_m / 8.0).clamp(low, high)
+}
+
+fn place(planet: Planet, element: &Element) -> Option<Arc<PlacedElement>> {
+    let element = Arc::new(converted(element)?);
+    let prepared = earthwork::Prepared::new(planet, element);
+    Some(Arc::new(PlacedElement::new(Arc::new(prepared))))
+}
+
+/// The element in the terms of the crate that computes it; `None` for kinds that a newer program made.
+pub(crate) fn converted(element: &Element) -> Option<earthwork::Element> {
+    let shape = match &element.kind {
+        ElementKind::Polygon(polygon) => earthwork::Shape::Polygon(earthwork::Polygon {
+            outline: vertices(&polygon.outline),
+            holes: polygon.holes.iter().map(vertices).collect(),
+            breaklines: polygon.breaklines.iter().map(vertices).collect(),
+            surface: surface(&polygon.surface.kind)?,
+        }),
+        ElementKind::Corridor(corridor) => earthwork::Shape::Corridor(earthwork::Corridor {
+            line: vertices(&corridor.line),
+            profile: match corridor.profile.kind {
+                ProfileKind::Heights => earthwork::Profile::Heights,
+                ProfileKind::Follow { offset_m, smooth_m } => {
+                    earthwork::Profile::Follow { offset_m, smooth_m }
+                }
+                ProfileKind::Unknown { .. } => return None,
+            },
+            section: section(&corridor.section.kind)?,
+        }),
+        // A stroke of an unknown tool leaves the others as they are.
+        ElementKind::Brush(brush) => {
+            earthwork::Shape::Brush(brush.strokes.iter().filter_map(stroke).collect())
+        }
+        ElementKind::Unknown { .. } => return None,
+    };
+    Some(earthwork::Element {
+        shape,
+        side: side(&element.side),
+    })
+}
+
+fn vertices(list: &Vertices) -> Vec<earthwork::Vertex> {
+    let vertex = |v: &relievo_project::Vertex| earthwork::Vertex {
+        place: MapPoint::from_degrees(v.lon_deg, v.lat_deg),
+        height_m: v.height_m,
+    };
+    list.as_slice().iter().map(vertex).collect()
+}
+
+fn side(side: &SideSlopes) -> earthwork::Side {
+    earthwork::Side {
+        cut_slope: side.cut_slope,
+        fill_slope: side.fill_slope,
+        wall: side.wall,
+        max_reach_m: side.max_reach_m,
+    }
+}
+
+fn surface(kind: &SurfaceKind) -> Option<earthwork::Surface> {
+    Some(match *kind {
+        SurfaceKind::Platform { height_m } => earthwork::Surface::Platform { height_m },
+        SurfaceKind::Plane {
+            height_m,
+            slope_percent,
+            aspect_deg,
+        } => earthwork::Surface::Plane {
+            height_m,
+            slope_percent,
+            aspect_deg,
+        },
+        SurfaceKind::Tin => earthwork::Surface::Tin,
+        SurfaceKind::Offset { offset_m } => earthwork::Surface::Offset { offset_m },
+        SurfaceKind::Smooth => earthwork::Surface::Smooth,
+        SurfaceKind::Unknown { .. } => return None,
+    })
+}
+
+fn section(kind: &SectionKind) -> Option<earthwork::Section> {
+    Some(match *kind {
+        SectionKind::Road {
+            width_m,
+            crossfall_percent,
+        } => earthwork::Section::Road {
+            width_m,
+            crossfall_percent,
+        },
+        SectionKind::Dam { crest_width_m } => earthwork::Section::Dam { crest_width_m },
+        SectionKind::Trench {
+            bottom_width_m,
+            depth_m,
+        } => earthwork::Section::Trench {
+            bottom_width_m,
+            depth_m,
+        },
+        SectionKind::Channel {
+            bottom_width_m,
+            depth_m,
+            bank_slope,
+        } => earthwork::Section::Channel {
+            bottom_width_m,
+            depth_m,
+            bank_slope,
+        },
+        SectionKind::Unknown { .. } => return None,
+    })
+}
+
+fn stroke(stroke: &relievo_project::Stroke) -> Option<earthwork::Stroke> {
+    let tool = match stroke.tool {
+        BrushTool::Raise { strength_m } => earthwork::Tool::Raise { strength_m },
+        BrushTool::Lower { strength_m } => earthwork::Tool::Lower { strength_m },
+        BrushTool::Smooth { strength } => earthwork::Tool::Smooth { strength },
+        BrushTool::Flatten { height_m, strength } => {
+            earthwork::Tool::Flatten { height_m, strength }
+        }
+        BrushTool::Unknown { .. } => return None,
+    };
+    Some(earthwork::Stroke {
+        tool,
+        radius_m: stroke.radius_m,
+        hardness: stroke.hardness,
+        points: vertices(&stroke.points).iter().map(|v| v.place).collect(),
+    })
+}
