@@ -23,6 +23,7 @@ use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
 use relievo_vector::Drawing;
 
+use crate::element_colours;
 use crate::elements::ElementCache;
 use crate::message::{Message, Severity};
 use crate::scene::{Detail, Elements, Roots, Scene};
@@ -324,9 +325,48 @@ impl Compiler<'_> {
                 below = Some(over);
             }
         }
-        let root = below?;
+        let root = self.element_colours(project, below)?;
         self.builder.cut(root, SampleType::Rgba8);
         Some(root)
+    }
+
+    /// Planning elements' own colours over all layers.
+    fn element_colours(
+        &mut self,
+        project: &Project,
+        mut below: Option<NodeIndex>,
+    ) -> Option<NodeIndex> {
+        let elements = project.elements_in(project.scenario.as_ref());
+        for run in element_colours::painted(&elements) {
+            let planet = self.planet;
+            let name = format!("{} {planet:?}", run.name());
+            let kept = self.nodes.nodes.lock().get(&name).cloned();
+            let made = kept.map_or_else(|| run.node(planet), Ok);
+            let node = match made {
+                Ok(node) => node,
+                Err(text) => {
+                    self.problems.push(Message {
+                        severity: Severity::Warning,
+                        layer: None,
+                        element: None,
+                        text: format!("colours of planning elements: {text}"),
+                    });
+                    continue;
+                }
+            };
+            self.used.insert(name, Arc::clone(&node));
+            let top = self.builder.add(node, &[]);
+            self.builder.cut(top, SampleType::Rgba8);
+            let finest = level_of_step(vectors::FINEST_M / planet.radius_m);
+            self.details.push(Detail::everywhere(top, finest));
+            let base = match below {
+                Some(below) => below,
+                None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
+            };
+            let overlay = Overlay::new(BlendMode::Normal, 1.0, false);
+            below = Some(self.builder.add(Arc::new(overlay), &[base, top]));
+        }
+        below
     }
 
     fn pin(&mut self, node: NodeIndex) {
@@ -386,10 +426,8 @@ impl Compiler<'_> {
             LayerKind::Vector(vector) => {
                 let top = self.vector_node(layer, vector)?;
                 self.builder.cut(top, SampleType::Rgba8);
-                self.details.push(Detail {
-                    node: top,
-                    finest: level_of_step(vectors::FINEST_M / self.planet.radius_m),
-                });
+                let finest = level_of_step(vectors::FINEST_M / self.planet.radius_m);
+                self.details.push(Detail::everywhere(top, finest));
                 let overlay = Overlay::new(BlendMode::Normal, opacity, false);
                 Some(self.add(layer, Arc::new(overlay), &[base, top]))
             }

@@ -7,6 +7,7 @@ pub mod analysis;
 pub mod bake;
 mod compile;
 mod element_answers;
+mod element_colours;
 mod elements;
 pub mod engine;
 pub mod frame;

@@ -254,3 +254,21 @@ fn an_element_says_where_its_work_ends() {
     assert!(places > 500 && road.daylight.iter().any(|l| l.ending == Ending::Meets));
     assert!(ask("nothing").is_none());
 }
+
+#[test]
+fn an_elements_colours_lie_above_the_layers_where_it_is() {
+    let mut engine = engine();
+    let mut pad = Element::clone(&platform("pad", 5.0));
+    pad.style.fill = Some([200, 40, 10]);
+    add(&mut engine, Arc::new(pad));
+    let colour = |engine: &Engine, lon: f64| {
+        let place = MapPoint::from_degrees(lon, LAT);
+        engine
+            .questions()
+            .place(place, &Cancel::default())
+            .unwrap()
+            .colour
+    };
+    assert_eq!(colour(&engine, LON), Some([200, 40, 10, 255]));
+    assert_eq!(colour(&engine, LON + 0.002), Some([0; 4]));
+}
