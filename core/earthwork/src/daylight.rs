@@ -144,15 +144,30 @@ impl Cells {
                     frame.from_map(part.frame.to_map(p))
                 }
             };
+            // Neighbours along the boundary share a box, long lines are cut: no box is much larger
+            // than the reach, and there are few.
+            let large = reach.max(50.0);
+            let mut open: Option<(DVec2, DVec2)> = None;
             for (a, b) in part.envelope.lines() {
-                // Long lines as pieces, so that their boxes are not all of the map.
-                let pieces = ((b - a).length() / 200.0).ceil().clamp(1.0, 1000.0);
+                let pieces = ((b - a).length() / large).ceil().clamp(1.0, 1000.0);
                 for k in 0..pieces as usize {
                     let (s, t) = (k as f64 / pieces, (k + 1) as f64 / pieces);
                     let (p, q) = (common(a + (b - a) * s), common(a + (b - a) * t));
-                    boxes.push((p.min(q) - reach, p.max(q) + reach));
+                    let (min, max) = (p.min(q), p.max(q));
+                    open = Some(match open {
+                        Some((low, high))
+                            if (high.max(max) - low.min(min)).max_element() <= 2.0 * large =>
+                        {
+                            (low.min(min), high.max(max))
+                        }
+                        full => {
+                            boxes.extend(full.map(|(low, high)| (low - reach, high + reach)));
+                            (min, max)
+                        }
+                    });
                 }
             }
+            boxes.extend(open.map(|(low, high)| (low - reach, high + reach)));
             if let Interior::Strip(_) = part.interior {
                 for (a, b) in part.envelope.lines() {
                     boxes.push((common(a.min(b)), common(a.max(b))));
