@@ -184,7 +184,7 @@ fn bits(block: &Block) -> Vec<u32> {
 }
 
 #[test]
-fn thousands_of_edits_rename_what_changes_and_only_what_is_in_reach() {
+fn edits_rename_what_changes_and_only_what_is_in_reach() {
     let frame = alps();
     let mut dice = Dice(42);
     let store = Arc::new(Artefacts::default());
@@ -200,7 +200,7 @@ fn thousands_of_edits_rename_what_changes_and_only_what_is_in_reach() {
     let mut now = graph(&elements, &store);
     let mut names = ids(&now);
     let (mut renamed, mut changed) = (0, 0);
-    for edit in 0..2000 {
+    for edit in 0..250 {
         let which = dice.roll(elements.len() as u64) as usize;
         let before = Arc::clone(&elements[which]);
         let after = match dice.roll(10) {
@@ -263,7 +263,7 @@ fn thousands_of_edits_rename_what_changes_and_only_what_is_in_reach() {
     // Reach is a promise, not a measurement: some that get new names keep their bytes.
     println!("{changed} of {renamed} renamed pieces changed");
     assert!(
-        renamed > 500 && changed * 2 > renamed,
+        renamed > 60 && changed * 2 > renamed,
         "{changed} of {renamed}"
     );
     // Everything anew, nothing shared, gives the same.
