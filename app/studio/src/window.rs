@@ -29,6 +29,7 @@ mod palette;
 mod panes;
 mod place;
 mod probe;
+mod profile;
 mod recent;
 mod remembered;
 mod scenarios;

@@ -380,6 +380,12 @@ pub const TABLE: &[Entry] = &[
         &[keys(CTRL_SHIFT, Key::G)],
     ),
     pane(
+        Pane::Profile,
+        "Profile",
+        "Show or hide heights along what is measured or selected",
+        &[keys(CTRL_SHIFT, Key::F)],
+    ),
+    pane(
         Pane::Graph,
         "Graph",
         "Show or hide the nodes that make the picture",

@@ -42,6 +42,8 @@ pub enum Pane {
     Place,
     /// How often each value is seen in the selected layer.
     Histogram,
+    /// Heights along a line.
+    Profile,
     /// The nodes that make the picture.
     Graph,
     /// What the program is doing.
@@ -50,7 +52,7 @@ pub enum Pane {
 
 impl Pane {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::View,
         Self::Layers,
         Self::Elements,
@@ -62,6 +64,7 @@ impl Pane {
         Self::Messages,
         Self::Place,
         Self::Histogram,
+        Self::Profile,
         Self::Graph,
         Self::Statistics,
     ];
@@ -80,6 +83,7 @@ impl Pane {
             Self::Messages => "Messages",
             Self::Place => "Place",
             Self::Histogram => "Histogram",
+            Self::Profile => "Profile",
             Self::Graph => "Graph",
             Self::Statistics => "Statistics",
         }
@@ -92,9 +96,12 @@ impl Pane {
             Self::Layers => Home::Left,
             Self::Elements | Self::Scenarios | Self::Bookmarks => Home::LowerLeft,
             Self::Inspector | Self::Scene | Self::History => Home::Right,
-            Self::Messages | Self::Place | Self::Histogram | Self::Graph | Self::Statistics => {
-                Home::Below
-            }
+            Self::Messages
+            | Self::Place
+            | Self::Histogram
+            | Self::Profile
+            | Self::Graph
+            | Self::Statistics => Home::Below,
         }
     }
 

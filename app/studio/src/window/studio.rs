@@ -19,7 +19,7 @@ use std::time::Duration;
 
 use eframe::egui::Ui;
 use eframe::egui_wgpu::RenderState;
-use relievo_engine::planet::Camera;
+use relievo_engine::planet::{Camera, MapPoint};
 use relievo_engine::project::{ElementId, FileStamp, LayerId, Recovery};
 use relievo_engine::raster::Cancel;
 use relievo_engine::{DEFAULT_DISK_CACHE_BYTES, EngineOptions, default_cache_folder};
@@ -38,6 +38,7 @@ use super::pace::Pace;
 use super::palette::Palette;
 use super::panes::{Layout, Pane};
 use super::probe::Probe;
+use super::profile::Profiles;
 use super::recent::{self, Recent};
 use super::scenarios::Scenarios;
 use super::settings::Settings;
@@ -108,6 +109,9 @@ pub struct Studio {
     palette: Option<Palette>,
     pub(super) histograms: Histograms,
     graph: GraphView,
+    pub(super) profiles: Profiles,
+    /// A place that another pane points at.
+    pub(super) marked: Option<MapPoint>,
     /// Width over height of the view.
     pub(super) aspect: f64,
     pub(super) dialog: Option<Dialog>,
@@ -172,6 +176,8 @@ impl Studio {
             palette: None,
             histograms: Histograms::new("relievo-histogram", waker.clone())?,
             graph: GraphView::default(),
+            profiles: Profiles::new("relievo-profile", waker.clone())?,
+            marked: None,
             aspect: 1.0,
             dialog: None,
             inbox: Inbox::new(waker.clone()),

@@ -390,3 +390,20 @@ fn a_place_is_found_by_its_name() {
     });
     assert!(!window.harness.state().document().is_changed());
 }
+
+#[test]
+fn the_profile_follows_what_is_measured() {
+    let mut window = Window::open(PLAIN);
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::F);
+    window.harness.get_by_label_contains("Measure a way");
+    window.press(Modifiers::NONE, Key::M);
+    for x in [-0.2, 0.2] {
+        let at = window.at(x, 0.0);
+        window.click_at(at);
+    }
+    window.until("the profile", |w| {
+        w.harness.query_by_label("Heights along the line").is_some()
+    });
+    window.harness.get_by_label_contains(" on the ground, ");
+    window.click("Copy as CSV");
+}

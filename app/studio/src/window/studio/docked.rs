@@ -68,6 +68,7 @@ impl Studio {
                 place::show(ui, engine.project(), self.notation, answer.as_ref());
             }
             Pane::Histogram => self.histogram_pane(ui),
+            Pane::Profile => self.profile_pane(ui),
             Pane::Graph => self.graph.show(ui, engine),
             Pane::Statistics => {
                 let frame = self.stage.as_ref().and_then(|s| s.stats());

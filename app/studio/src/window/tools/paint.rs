@@ -47,6 +47,9 @@ impl Studio {
                 self.paint_handles(&painter, &projector, &element);
             }
         }
+        if let Some(at) = self.marked.and_then(|place| projector.screen(place)) {
+            painter.circle(at, 5.0, BAND, Stroke::new(1.5, Color32::from_gray(20)));
+        }
         match self.tools.tool {
             Tool::Select => {}
             Tool::Polygon | Tool::Corridor | Tool::Measure => {
