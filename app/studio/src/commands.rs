@@ -106,10 +106,11 @@ pub enum Menu {
 
 impl Menu {
     /// All of them, from left to right.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::File,
         Self::Edit,
         Self::Layer,
+        Self::Draw,
         Self::View,
         Self::Panes,
         Self::Help,

@@ -88,14 +88,13 @@ impl Scenarios {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                let elements = project.elements.len();
-                if line(
-                    ui,
-                    "Base",
-                    &format!("{elements} elements"),
-                    shown.is_none(),
-                    0,
-                ) {
+                let count = project.elements.len();
+                let note = if count == 1 {
+                    "1 element".to_owned()
+                } else {
+                    format!("{count} elements")
+                };
+                if line(ui, "Base", &note, shown.is_none(), 0) {
                     actions.push(Action::Edit(Edit::ShowScenario { id: None }));
                 }
                 self.children(ui, project, None, 1, actions);
