@@ -30,6 +30,10 @@ pub const ALL: &[Target] = &[
     ("tiff_chunk", tiff_chunk),
     ("picture", picture),
     ("raster", raster),
+    ("exr", exr),
+    ("ascii_grid", ascii_grid),
+    ("mbtiles", mbtiles),
+    ("pmtiles", pmtiles),
     ("world_file", world_file),
     ("crs", crs),
     ("project", project),
@@ -64,6 +68,35 @@ pub fn picture(bytes: &[u8]) {
 /// Whatever the content says.
 pub fn raster(bytes: &[u8]) {
     read_file("hostile.bin", bytes);
+}
+
+/// OpenEXR.
+pub fn exr(bytes: &[u8]) {
+    if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        read_file("hostile.exr", bytes);
+    }
+}
+
+/// An ESRI ASCII grid.
+pub fn ascii_grid(bytes: &[u8]) {
+    let first = bytes.trim_ascii_start().first();
+    if first.is_some_and(u8::is_ascii_alphabetic) {
+        read_file("hostile.asc", bytes);
+    }
+}
+
+/// An MBTiles database.
+pub fn mbtiles(bytes: &[u8]) {
+    if bytes.starts_with(b"SQLite format 3\0") {
+        read_file("hostile.mbtiles", bytes);
+    }
+}
+
+/// A PMTiles archive.
+pub fn pmtiles(bytes: &[u8]) {
+    if bytes.starts_with(b"PMTiles") {
+        read_file("hostile.pmtiles", bytes);
+    }
 }
 
 /// A TIFF whose directory is sound and whose strips and tiles are not: see [`tiff_of`].

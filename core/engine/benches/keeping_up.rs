@@ -3,15 +3,19 @@
 //!
 //! `cargo bench -p relievo-engine --bench keeping_up [-- files|noise|sharp] [ALTITUDE ...]`. Nothing is drawn. The
 //! clock is simulated: a frame lasts until the workers have had a sixtieth of a second of the
-//! processor each, or have nothing to do, so that other load on the machine does not count.
+//! processor each, or have nothing to do, so that other load on the machine does not count. The
+//! camera stays at its altitude above the ground, whose slopes do not depend on how finely it is laid.
 
 #![expect(clippy::print_stdout, reason = "a bench says what it found")]
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
+mod processor;
+
 use std::path::Path;
 use std::time::Duration;
 
-use relievo_engine::planet::Camera;
+use processor::{own_ns, worker_ns};
+use relievo_engine::planet::{Camera, MapPoint};
 use relievo_engine::raster::Cancel;
 use relievo_engine::{Bake, Engine, EngineOptions, Output, View};
 
@@ -42,29 +46,6 @@ fn texel_m(n: u8) -> f64 {
 
 fn pixel_m(altitude_m: f64) -> f64 {
     altitude_m * 2.0 * (FOV_DEG.to_radians() / 2.0).tan() / 960.0
-}
-
-/// Nanoseconds of the processor that this thread has had.
-fn own_ns() -> u64 {
-    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let had = stat.split_whitespace().next().and_then(|s| s.parse().ok());
-    had.unwrap_or(0)
-}
-
-/// Nanoseconds of the processor that workers have had, all together.
-fn worker_ns() -> u64 {
-    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else {
-        return 0;
-    };
-    tasks
-        .flatten()
-        .filter(|t| {
-            std::fs::read_to_string(t.path().join("comm"))
-                .is_ok_and(|name| name.starts_with("relievo-worker"))
-        })
-        .filter_map(|t| std::fs::read_to_string(t.path().join("schedstat")).ok())
-        .filter_map(|s| s.split_whitespace().next()?.parse::<u64>().ok())
-        .sum()
 }
 
 fn noise_layer(amplitude_m: f64, wavelength_m: f64, octaves: u32) -> String {
@@ -125,13 +106,16 @@ fn bake_files(folder: &Path) {
 fn files_project(folder: &Path, n: u8) -> std::path::PathBuf {
     let degrees = (texel_m(n) / RADIUS_M).to_degrees();
     let (west, east) = (-1024.0 * degrees, 15_360.0 * degrees);
+    // As the ground shrinks so do its heights, or its slopes would become cliffs.
+    let scale = (degrees / 0.002).min(1.0);
     let north = (640.0 * degrees).min(80.0);
     let place = format!(
         r#""georeference": {{"crs": "EPSG:4326", "west": {west}, "south": {}, "east": {east}, "north": {north}}}"#,
         -north
     );
     let layers = format!(
-        r#"{{"id": "h", "name": "h", "kind": "height", "path": "height.tif", {place}}},
+        r#"{{"id": "h", "name": "h", "kind": "height", "path": "height.tif",
+             "vertical_scale": {scale}, {place}}},
            {{"id": "c", "name": "c", "kind": "imagery", "path": "colour.tif", {place}}}"#
     );
     write(folder, &format!("files-{n}.relievo"), &layers)
@@ -155,19 +139,32 @@ struct Result {
     finest: u8,
 }
 
+/// A second of cameras that fly eastwards at `rate` altitudes a second and as high above the ground.
+fn path_of(engine: &Engine, altitude_m: f64, rate: f64) -> Vec<Camera> {
+    let questions = engine.questions();
+    let camera = |frame: u32| {
+        let lon_rad = f64::from(frame) * FRAME_S * rate * altitude_m / RADIUS_M;
+        let below = questions
+            .place(
+                MapPoint::from_degrees(lon_rad.to_degrees(), 0.0),
+                &Cancel::default(),
+            )
+            .unwrap();
+        let eye_m = below.height_m + altitude_m;
+        Camera::from_degrees(lon_rad.to_degrees(), 0.0, eye_m, 90.0, -90.0, FOV_DEG).unwrap()
+    };
+    (0..=FRAMES).map(camera).collect()
+}
+
 /// Flies a second eastwards at `rate` altitudes a second.
 fn fly(path: &Path, altitude_m: f64, rate: f64, view: View, threads: usize) -> Result {
+    let cameras = path_of(&open(path, threads), altitude_m, rate);
     let mut engine = open(path, threads);
-    let at = |s: f64| {
-        let lon_rad = s * rate * altitude_m / RADIUS_M;
-        let camera =
-            Camera::from_degrees(lon_rad.to_degrees(), 0.0, altitude_m, 90.0, -90.0, FOV_DEG);
-        View {
-            camera: camera.unwrap(),
-            ..view
-        }
+    let at = |frame: u32| View {
+        camera: cameras[frame as usize],
+        ..view
     };
-    engine.set_view(at(0.0));
+    engine.set_view(at(0));
     // Prefetched tiles come, too, as they would have on the way there.
     for _ in 0..4000 {
         let done = engine.drain(1.0).unwrap().is_converged();
@@ -182,7 +179,7 @@ fn fly(path: &Path, altitude_m: f64, rate: f64, view: View, threads: usize) -> R
     let mut finest = 0;
     for frame in 1..=FRAMES {
         let drained = own_ns();
-        engine.set_view(at(f64::from(frame) * FRAME_S));
+        engine.set_view(at(frame));
         let shown = engine.drain(FRAME_S as f32).unwrap();
         drains_ns += own_ns() - drained;
         complete += u32::from(frame > STARTING && engine.stats().pending == 0);

@@ -1,0 +1,124 @@
+//! A slider of one visible imagery layer: from the change to the moment at which every tile that the
+//! picture selects is made and handed over, as a window sees it, without drawing.
+//!
+//! `cargo bench -p relievo-engine --bench slider [-- PROJECT]`; the topmost visible imagery layer of the project
+//! (`projects/earth.relievo`) is changed 60 times in three places. Times of the processor, of workers and of
+//! the thread that asks, do not count other load on the machine.
+
+#![expect(clippy::print_stdout, reason = "a bench says what it found")]
+#![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
+
+mod processor;
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use processor::{own_ns, worker_ns};
+use relievo_engine::planet::Camera;
+use relievo_engine::project::{Adjust, Edit, LayerId, LayerKind};
+use relievo_engine::{Engine, EngineOptions, View};
+
+const CHANGES: usize = 60;
+
+/// What is drawn from where: name, longitude, latitude, altitude, heading, pitch.
+const PLACES: [(&str, [f64; 5]); 3] = [
+    ("space", [0.0, 20.0, 1.2e7, 0.0, -90.0]),
+    ("aircraft", [-111.60, 40.15, 4200.0, 335.0, -12.0]),
+    ("ground", [-111.74, 40.35, 1460.0, 62.0, 5.0]),
+];
+
+/// Drains until the picture of the newest revision is whole.
+fn settle(engine: &mut Engine) {
+    loop {
+        let frame = engine.drain(f32::INFINITY).unwrap();
+        if frame.is_converged() && frame.plan.settled && frame.uploads.is_empty() {
+            return;
+        }
+        engine.wait(Duration::from_millis(100));
+    }
+}
+
+/// Drains as a window does until nothing that is visible is missing; milliseconds.
+fn shown_ms(engine: &mut Engine, start: Instant, revision: u64) -> f64 {
+    loop {
+        let frame = engine.drain(0.0).unwrap();
+        if frame.revision > revision && frame.pending == 0 {
+            return start.elapsed().as_secs_f64() * 1e3;
+        }
+        engine.wait(Duration::from_millis(1));
+    }
+}
+
+fn imagery(engine: &Engine) -> LayerId {
+    let layers = &engine.project().layers;
+    let layer = layers
+        .iter()
+        .rev()
+        .find(|l| l.visible && matches!(l.kind, LayerKind::Imagery(_)));
+    layer.unwrap().id.clone()
+}
+
+/// The edit of step `i`: every step another value.
+type Step = fn(LayerId, usize) -> Edit;
+
+fn gamma(id: LayerId, i: usize) -> Edit {
+    let adjust = Adjust {
+        gamma: 1.05 + 0.01 * i as f64,
+        ..Adjust::default()
+    };
+    Edit::SetAdjust { id, adjust }
+}
+
+fn opacity(id: LayerId, i: usize) -> Edit {
+    let opacity = 0.2 + 0.01 * i as f64;
+    Edit::SetOpacity { id, opacity }
+}
+
+fn main() {
+    let named = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    let projects = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects");
+    let project = named.map_or_else(|| projects.join("earth.relievo"), PathBuf::from);
+    println!("processor: milliseconds a change, all workers together, and the asking thread");
+    println!();
+    println!("| view | slider | tiles made | median ms | p95 ms | workers | asking |");
+    println!("|---|---|---|---|---|---|---|");
+    for (place, [lon, lat, altitude_m, heading, pitch]) in PLACES {
+        for (name, step) in [("gamma", gamma as Step), ("opacity", opacity)] {
+            let (mut engine, _) = Engine::open(&project, EngineOptions::default()).unwrap();
+            engine.wait_for_sources();
+            engine.set_view(View {
+                camera: Camera::from_degrees(lon, lat, altitude_m, heading, pitch, 60.0).unwrap(),
+                viewport_px: [1280, 960],
+                colour_window: 1024,
+                colour_texel_px: 1.0,
+                height_texel_px: 2.0,
+                max_taps: 4,
+            });
+            settle(&mut engine);
+            let id = imagery(&engine);
+            // The first change of a drag pins what lies below; those that follow are what is felt.
+            engine.begin_drag();
+            engine.apply(step(id.clone(), 0)).unwrap();
+            settle(&mut engine);
+            let made = engine.stats().tiles.made;
+            let (workers, own) = (worker_ns(), own_ns());
+            let mut times: Vec<f64> = (1..=CHANGES)
+                .map(|i| {
+                    let revision = engine.drain(0.0).unwrap().revision;
+                    let start = Instant::now();
+                    engine.apply(step(id.clone(), i)).unwrap();
+                    shown_ms(&mut engine, start, revision)
+                })
+                .collect();
+            let a_change = |ns: u64| ns as f64 / 1e6 / CHANGES as f64;
+            let (workers, own) = (a_change(worker_ns() - workers), a_change(own_ns() - own));
+            times.sort_by(f64::total_cmp);
+            let made = (engine.stats().tiles.made - made) as f64 / CHANGES as f64;
+            println!(
+                "| {place} | {name} | {made:.0} | {:.0} | {:.0} | {workers:.1} | {own:.1} |",
+                times[CHANGES / 2],
+                times[CHANGES * 95 / 100]
+            );
+        }
+    }
+}
