@@ -250,7 +250,7 @@ fn stored(sample: Sample) -> [u8; 4] {
             [a, b, c, d]
         }
         // No clipmap stores these: `upload` has refused them.
-        Sample::Rgba16F(_) | Sample::Rgba32F(_) | Sample::Mask(_) => [0; 4],
+        Sample::Rgba16F(_) | Sample::Rgba32F(_) | Sample::Mask(_) | Sample::Mask32F(_) => [0; 4],
     }
 }
 

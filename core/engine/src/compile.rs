@@ -581,6 +581,8 @@ impl Compiler<'_> {
             Arc::new(EdgeFade::new(warp, width_m))
         });
         let mask = self.add(layer, node, &[]);
+        // Places are dear, and no slider changes them.
+        self.builder.cut(mask, SampleType::Mask32F);
         Some((vec![base, top, mask], true))
     }
 }

@@ -30,6 +30,7 @@ pub use self::options::{
     DEFAULT_DISK_CACHE_BYTES, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder,
     default_state_folder, folder_of,
 };
+use self::planning::PlanQuery;
 use self::tally::Tally;
 pub use self::tally::{Made, NodeReport};
 use crate::compile::{self, NodeCache};
@@ -77,6 +78,7 @@ pub struct Engine {
     /// Tiles asked for along the path, at most.
     prefetch: usize,
     plan: Option<Arc<Plan>>,
+    planned_for: Option<PlanQuery>,
     /// The ground that the plan was made for.
     planned_on: (Bounds, f64),
     stacks: Stacks,
@@ -148,6 +150,7 @@ impl Engine {
             ahead: Ahead::default(),
             prefetch,
             plan: None,
+            planned_for: None,
             planned_on: (
                 Bounds(HeightRange {
                     min_m: 0.0,

@@ -18,6 +18,11 @@ pub enum ClipKind {
     Normal,
 }
 
+impl ClipKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Height, Self::Colour, Self::Normal];
+}
+
 /// One clip level as the front-end shows it.
 ///
 /// Sample (i, j) of the level is stored at the texel that [`Window::storage_of`] says, of array

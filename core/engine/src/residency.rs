@@ -99,6 +99,12 @@ impl Stack {
         }
     }
 
+    /// Whether the windows are where a plan has them.
+    pub(crate) fn follows(&self, plans: &[LevelPlan]) -> bool {
+        let windows = self.levels.iter().map(|l| l.plan.window);
+        windows.eq(plans.iter().map(|p| p.window))
+    }
+
     /// Whether all that the window needs of a tile is uploaded with this content.
     pub(crate) fn holds(&self, key: TileKey, id: ContentId) -> bool {
         self.levels
@@ -272,6 +278,10 @@ impl Level {
     ) -> bool {
         let mut left = false;
         for (key, rect) in self.plan.window.tiles() {
+            // Names cost more than all else here, and most of a window nobody looks at.
+            if !rect.overlaps(&self.plan.wanted) && !self.slots.contains_key(&key) {
+                continue;
+            }
             let id = name(key);
             let needed = rect.intersection(&self.plan.window.rect).shift(-rect.min);
             let covered = match self.slots.get_mut(&key) {

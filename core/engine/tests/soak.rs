@@ -225,7 +225,10 @@ impl Textures {
                             let ([a, b], [c, d]) = (east.to_le_bytes(), north.to_le_bytes());
                             [a, b, c, d]
                         }
-                        other @ (Sample::Rgba16F(_) | Sample::Rgba32F(_) | Sample::Mask(_)) => {
+                        other @ (Sample::Rgba16F(_)
+                        | Sample::Rgba32F(_)
+                        | Sample::Mask(_)
+                        | Sample::Mask32F(_)) => {
                             panic!("no clipmap stores {other:?}")
                         }
                     },

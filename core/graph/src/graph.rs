@@ -92,7 +92,7 @@ impl GraphBuilder {
     }
 
     /// The graph. Inputs of nodes that are not pointwise become cut points where they are not yet
-    /// (heights and normals as their type, colours as `Rgba32F`, which is exact).
+    /// (heights and normals as their type, colours and masks exactly).
     pub fn build(mut self) -> Graph {
         let around: Vec<NodeIndex> = self
             .entries
@@ -105,7 +105,7 @@ impl GraphBuilder {
             entry.cut = entry.cut.or(Some(match entry.node.output() {
                 Bands::Height => SampleType::Height,
                 Bands::Colour => SampleType::Rgba32F,
-                Bands::Mask => SampleType::Mask,
+                Bands::Mask => SampleType::Mask32F,
                 Bands::Normal => SampleType::Normal,
             }));
         }

@@ -28,6 +28,8 @@ pub enum SampleType {
     Rgba32F,
     /// 8-bit weight.
     Mask,
+    /// A weight exactly as nodes compute it, f32: heights that fade show 255 steps.
+    Mask32F,
     /// East and north component of the unit normal as half floats.
     Normal,
 }
@@ -38,16 +40,21 @@ impl SampleType {
         match self {
             Self::Height => Bands::Height,
             Self::Rgba8 | Self::Rgba16F | Self::Rgba32F => Bands::Colour,
-            Self::Mask => Bands::Mask,
+            Self::Mask | Self::Mask32F => Bands::Mask,
             Self::Normal => Bands::Normal,
         }
+    }
+
+    /// Whether it stores colours or weights exactly as nodes compute them.
+    pub const fn is_exact(self) -> bool {
+        matches!(self, Self::Rgba32F | Self::Mask32F)
     }
 
     /// Bytes a stored sample takes.
     pub const fn bytes(self) -> usize {
         match self {
             Self::Mask => 1,
-            Self::Height | Self::Rgba8 | Self::Normal => 4,
+            Self::Height | Self::Rgba8 | Self::Mask32F | Self::Normal => 4,
             Self::Rgba16F => 8,
             Self::Rgba32F => 16,
         }
@@ -67,6 +74,8 @@ pub enum Sample {
     Rgba32F([f32; 4]),
     /// Weight in 255ths.
     Mask(u8),
+    /// Weight.
+    Mask32F(f32),
     /// Surface normal.
     Normal(Normal),
 }
@@ -83,6 +92,7 @@ enum Content {
     Rgba16F(Arc<[[f16; 4]]>),
     Rgba32F(Arc<[[f32; 4]]>),
     Mask(Arc<[u8]>),
+    Mask32F(Arc<[f32]>),
     Normal(Arc<[Normal]>),
 }
 
@@ -130,6 +140,7 @@ impl Tile {
             Content::Uniform(Sample::Rgba16F(_)) | Content::Rgba16F(_) => SampleType::Rgba16F,
             Content::Uniform(Sample::Rgba32F(_)) | Content::Rgba32F(_) => SampleType::Rgba32F,
             Content::Uniform(Sample::Mask(_)) | Content::Mask(_) => SampleType::Mask,
+            Content::Uniform(Sample::Mask32F(_)) | Content::Mask32F(_) => SampleType::Mask32F,
             Content::Uniform(Sample::Normal(_)) | Content::Normal(_) => SampleType::Normal,
         }
     }
@@ -152,6 +163,7 @@ impl Tile {
             Content::Rgba16F(s) => Some(bytemuck::cast_slice(s)),
             Content::Rgba32F(s) => Some(bytemuck::cast_slice(s)),
             Content::Mask(s) => Some(s),
+            Content::Mask32F(s) => Some(bytemuck::cast_slice(s)),
             Content::Normal(s) => Some(bytemuck::cast_slice(s)),
         }
     }
@@ -183,6 +195,7 @@ impl Tile {
             Content::Rgba16F(s) => Sample::Rgba16F(s[i]),
             Content::Rgba32F(s) => Sample::Rgba32F(s[i]),
             Content::Mask(s) => Sample::Mask(s[i]),
+            Content::Mask32F(s) => Sample::Mask32F(s[i]),
             Content::Normal(s) => Sample::Normal(s[i]),
         }
     }
@@ -230,7 +243,9 @@ impl Tile {
                         out.plane_mut(plane)[target.clone()].fill(*v);
                     }
                 }
-                Content::Height(t) => out.plane_mut(0)[target].copy_from_slice(&t[source]),
+                Content::Height(t) | Content::Mask32F(t) => {
+                    out.plane_mut(0)[target].copy_from_slice(&t[source]);
+                }
                 Content::Mask(t) => spread(&t[source], target, out, |v| [colour::from_u8(v)]),
                 Content::Rgba8(t) => spread(&t[source], target, out, |v| {
                     // Bytes of a number are shifts, which vectors have.
@@ -248,7 +263,7 @@ impl Tile {
 /// Working values of a sample, one a plane; the rest is 0.
 fn working(sample: Sample) -> [f32; 4] {
     match sample {
-        Sample::Height(h) => [h, 0.0, 0.0, 0.0],
+        Sample::Height(v) | Sample::Mask32F(v) => [v, 0.0, 0.0, 0.0],
         Sample::Rgba8(c) => c.map(colour::from_u8),
         Sample::Rgba16F(c) => c.map(f16::to_f32),
         Sample::Rgba32F(c) => c,

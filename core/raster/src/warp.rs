@@ -79,6 +79,7 @@ pub struct Warp {
     planet: Planet,
     kernel: Kernel,
     finest_step_rad: f64,
+    covered: coverage::Memory,
 }
 
 impl core::fmt::Debug for Warp {
@@ -110,6 +111,7 @@ impl Warp {
             planet,
             kernel,
             finest_step_rad,
+            covered: coverage::Memory::default(),
         })
     }
 
@@ -129,13 +131,14 @@ impl Warp {
         self.source.columns_around.is_some() && self.source.reflects == [true; 2]
     }
 
-    /// How much of a grid the file's outline covers, from outlines alone: cheap, the same each
-    /// time, and never wrong when it says inside or outside.
+    /// How much of a grid the file's outline covers, from outlines alone: the same each time,
+    /// remembered, and never wrong when it says inside or outside.
     pub fn coverage(&self, grid: &Grid) -> Coverage {
         if self.covers_globe() && !grid.rect.is_empty() {
             return Coverage::Inside;
         }
-        coverage::coverage(&self.source, &self.extent, grid)
+        let find = || coverage::coverage(&self.source, &self.extent, grid);
+        self.covered.of(grid, find)
     }
 
     /// Whether the file's image ends at its sides, at its first row and at its last.

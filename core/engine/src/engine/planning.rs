@@ -2,12 +2,25 @@
 
 use std::sync::Arc;
 
+use relievo_planet::Planet;
 use relievo_planet::clipmap::plan::{PlanInput, Quality};
 
 use super::{Engine, HEIGHT_WINDOW};
 use crate::frame::ClipKind;
 use crate::terrain::{self, Bounds};
 use crate::view::View;
+
+/// What a plan was made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PlanQuery {
+    view: View,
+    planet: Planet,
+    exaggeration: f64,
+    ground: (Bounds, f64),
+    finest: (u8, u8),
+    /// Which clipmaps are drawn.
+    shows: [bool; 3],
+}
 
 impl Engine {
     /// What a plan depends on beside the view: bounds of the drawn terrain, and its height below the
@@ -41,6 +54,34 @@ impl Engine {
         }
     }
 
+    /// All that decides a plan beside the plan before it.
+    fn plan_query(&self, view: &View) -> PlanQuery {
+        let settings = &self.project.planet;
+        PlanQuery {
+            view: *view,
+            planet: settings.body.figure(),
+            exaggeration: settings.vertical_exaggeration,
+            ground: self.planned_on,
+            finest: self.finest,
+            shows: ClipKind::ALL.map(|kind| self.shown.root(kind).is_some()),
+        }
+    }
+
+    /// Whether the plan is final and every window has the shape and place that it says.
+    fn follows(&self) -> bool {
+        self.plan.as_ref().is_some_and(|plan| {
+            plan.settled
+                && ClipKind::ALL.into_iter().all(|kind| {
+                    let levels = if kind == ClipKind::Height {
+                        &plan.heights
+                    } else {
+                        &plan.colours
+                    };
+                    self.shown.root(kind).is_none() || self.stacks.get(kind).follows(levels)
+                })
+        })
+    }
+
     pub(super) fn replan(&mut self, view: &View) {
         if !self.dirty && self.plan.as_ref().is_some_and(|p| p.settled) {
             return;
@@ -54,6 +95,12 @@ impl Engine {
             target.finest_near(near, HEIGHT_WINDOW),
             target.finest_near(near, view.colour_window),
         );
+        let asked = self.plan_query(view);
+        if self.planned_for == Some(asked) && self.follows() {
+            // Tiles arrived or have other names: nothing that a plan depends on.
+            return;
+        }
+        self.planned_for = Some(asked);
         let mut planner = std::mem::take(&mut self.planner);
         let plan = planner.plan(&self.plan_input(view, &terrain));
         self.planner = planner;

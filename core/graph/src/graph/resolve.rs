@@ -364,7 +364,7 @@ fn rounded(graph: &Graph, node: NodeIndex, raw: Value) -> Value {
     };
     match raw.source {
         // Kept exactly, it is what others read without the cut point.
-        Source::Cut(_) if to == SampleType::Rgba32F => raw,
+        Source::Cut(_) if to.is_exact() => raw,
         Source::Uniform(value) => {
             let value = round::value(value, to);
             Value {

@@ -18,6 +18,7 @@ pub(super) fn block(block: &mut Block, to: SampleType) {
         SampleType::Rgba8 => colours(block, eight_bit),
         SampleType::Rgba16F => colours(block, half_float),
         SampleType::Rgba32F => colours(block, |v| v + 0.0),
+        SampleType::Mask32F => each(block.samples_mut(), weight),
     }
 }
 
@@ -31,6 +32,7 @@ pub(super) fn before_storing(block: &mut Block, to: SampleType) {
     match to {
         SampleType::Height => each(block.samples_mut(), height),
         SampleType::Mask => {}
+        SampleType::Mask32F => each(block.samples_mut(), weight),
         SampleType::Normal => each(block.samples_mut(), |v| v + 0.0),
         SampleType::Rgba8 => transparent(block, |a| a * 255.0 + 0.5 >= 1.0),
         SampleType::Rgba16F => transparent(block, |a| a > SMALLEST_HALF / 2.0),
@@ -98,6 +100,11 @@ fn height(v: f32) -> f32 {
     if v.is_nan() { f32::NAN } else { v }
 }
 
+/// A weight that is no number counts for nothing, as it does in 8 bits.
+fn weight(v: f32) -> f32 {
+    if v.is_nan() { 0.0 } else { v + 0.0 }
+}
+
 fn eight_bit(v: f32) -> f32 {
     colour::from_u8(colour::to_u8(v))
 }
@@ -123,6 +130,7 @@ pub(super) fn sample(working: [f32; 4], to: SampleType) -> Sample {
         SampleType::Rgba16F => Sample::Rgba16F(v.map(f16::from_f32)),
         SampleType::Rgba32F => Sample::Rgba32F(v),
         SampleType::Mask => Sample::Mask(colour::to_u8(v[0])),
+        SampleType::Mask32F => Sample::Mask32F(v[0]),
         SampleType::Normal => Sample::Normal([v[0], v[1]].map(f16::from_f32)),
     }
 }
@@ -135,12 +143,13 @@ mod tests {
 
     use super::*;
 
-    const TYPES: [SampleType; 6] = [
+    const TYPES: [SampleType; 7] = [
         SampleType::Height,
         SampleType::Rgba8,
         SampleType::Rgba16F,
         SampleType::Rgba32F,
         SampleType::Mask,
+        SampleType::Mask32F,
         SampleType::Normal,
     ];
 

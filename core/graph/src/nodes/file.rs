@@ -1,10 +1,8 @@
 //! Samples of a raster file, laid on the grid: the loader and the map resampler.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::I64Vec2;
-use parking_lot::Mutex;
 use relievo_planet::{Grid, GridCrs, SampleRect};
 use relievo_raster::kernel::Kernel;
 use relievo_raster::warp::{Coverage, Warp};
@@ -12,9 +10,6 @@ use relievo_raster::{Bands, Block};
 
 use super::memory::add_grid;
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
-
-/// Grids whose coverage is remembered; each takes about 100 bytes.
-const REMEMBERED: usize = 16_384;
 
 /// A raster file as heights in metres or straight, display-referred colours. No inputs.
 ///
@@ -26,15 +21,6 @@ pub struct FileSource {
     scale: f64,
     offset_m: f64,
     name: ContentId,
-    coverage: Mutex<HashMap<Place, Coverage>>,
-}
-
-/// A map grid by its bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Place {
-    origin: [u64; 2],
-    step: [u64; 2],
-    rect: SampleRect,
 }
 
 impl FileSource {
@@ -67,35 +53,12 @@ impl FileSource {
             scale,
             offset_m,
             name: id.finish(),
-            coverage: Mutex::default(),
         }
     }
 
     /// The file on the map.
     pub fn warp(&self) -> &Arc<Warp> {
         &self.warp
-    }
-
-    fn coverage(&self, grid: &Grid) -> Coverage {
-        let lattice = &grid.lattice;
-        if lattice.crs != GridCrs::Map {
-            return self.warp.coverage(grid);
-        }
-        let place = Place {
-            origin: lattice.origin.to_array().map(f64::to_bits),
-            step: lattice.step.to_array().map(f64::to_bits),
-            rect: grid.rect,
-        };
-        if let Some(known) = self.coverage.lock().get(&place) {
-            return *known;
-        }
-        let coverage = self.warp.coverage(grid);
-        let mut remembered = self.coverage.lock();
-        if remembered.len() >= REMEMBERED {
-            remembered.clear();
-        }
-        remembered.insert(place, coverage);
-        coverage
     }
 
     /// Whether no sample of the grid can be a hole.
@@ -107,7 +70,7 @@ impl FileSource {
             return true;
         }
         let lattice = &grid.lattice;
-        if lattice.crs != GridCrs::Map || self.coverage(grid) != Coverage::Inside {
+        if lattice.crs != GridCrs::Map || self.warp.coverage(grid) != Coverage::Inside {
             return false;
         }
         // Kernels reach over the outline near it: by up to two samples or four pixels of the file.
@@ -120,7 +83,7 @@ impl FileSource {
             grid.rect.min - I64Vec2::splat(reach as i64),
             grid.rect.max + reach as i64,
         );
-        self.coverage(&grid.with_rect(around)) == Coverage::Inside
+        self.warp.coverage(&grid.with_rect(around)) == Coverage::Inside
     }
 }
 
@@ -147,7 +110,7 @@ impl ImageNode for FileSource {
     }
 
     fn known(&self, grid: &Grid, _inputs: &[Known]) -> Known {
-        if self.coverage(grid) == Coverage::Outside {
+        if self.warp.coverage(grid) == Coverage::Outside {
             let absent = if self.output() == Bands::Height {
                 f32::NAN
             } else {

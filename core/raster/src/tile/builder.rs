@@ -35,6 +35,7 @@ enum Gathered {
     Rgba16F(Samples<[f16; 4]>),
     Rgba32F(Samples<[f32; 4]>),
     Mask(Samples<u8>),
+    Mask32F(Samples<f32>),
     Normal(Samples<Normal>),
 }
 
@@ -95,6 +96,7 @@ impl TileBuilder {
                 SampleType::Rgba16F => Gathered::Rgba16F(Samples::default()),
                 SampleType::Rgba32F => Gathered::Rgba32F(Samples::default()),
                 SampleType::Mask => Gathered::Mask(Samples::default()),
+                SampleType::Mask32F => Gathered::Mask32F(Samples::default()),
                 SampleType::Normal => Gathered::Normal(Samples::default()),
             },
             count: 0,
@@ -109,6 +111,7 @@ impl TileBuilder {
             Gathered::Rgba16F(_) => SampleType::Rgba16F,
             Gathered::Rgba32F(_) => SampleType::Rgba32F,
             Gathered::Mask(_) => SampleType::Mask,
+            Gathered::Mask32F(_) => SampleType::Mask32F,
             Gathered::Normal(_) => SampleType::Normal,
         }
     }
@@ -141,6 +144,15 @@ impl TileBuilder {
             Gathered::Height(samples) => {
                 let (low, high) = range(p);
                 self.range_m = (self.range_m.0.min(low), self.range_m.1.max(high));
+                samples.add(
+                    before,
+                    count,
+                    #[inline(always)]
+                    |at: Range<usize>, out: &mut [f32]| out.copy_from_slice(&p[at]),
+                    |a, b| a.to_bits() == b.to_bits(),
+                );
+            }
+            Gathered::Mask32F(samples) => {
                 samples.add(
                     before,
                     count,
@@ -234,6 +246,7 @@ impl TileBuilder {
                 Gathered::Rgba16F(s) => s.finish(Sample::Rgba16F, Content::Rgba16F),
                 Gathered::Rgba32F(s) => s.finish(Sample::Rgba32F, Content::Rgba32F),
                 Gathered::Mask(s) => s.finish(Sample::Mask, Content::Mask),
+                Gathered::Mask32F(s) => s.finish(Sample::Mask32F, Content::Mask32F),
                 Gathered::Normal(s) => s.finish(Sample::Normal, Content::Normal),
             },
         }

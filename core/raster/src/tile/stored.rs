@@ -16,6 +16,7 @@ impl SampleType {
             Self::Rgba32F => 4,
             Self::Mask => 5,
             Self::Normal => 6,
+            Self::Mask32F => 7,
         }
     }
 
@@ -28,6 +29,7 @@ impl SampleType {
             4 => Self::Rgba32F,
             5 => Self::Mask,
             6 => Self::Normal,
+            7 => Self::Mask32F,
             _ => return None,
         })
     }
@@ -50,6 +52,7 @@ impl Tile {
             SampleType::Rgba16F => Content::Rgba16F(array(bytes, halves::<8, 4>)),
             SampleType::Rgba32F => Content::Rgba32F(array(bytes, floats)),
             SampleType::Mask => Content::Mask(bytes.into()),
+            SampleType::Mask32F => Content::Mask32F(array(bytes, f32::from_ne_bytes)),
             SampleType::Normal => Content::Normal(array(bytes, halves::<4, 2>)),
         };
         let height_range_m = if let Content::Height(heights) = &content {
@@ -68,7 +71,7 @@ impl Sample {
     /// The sample as it is stored, in the byte order of this machine.
     pub fn to_bytes(self) -> Vec<u8> {
         match self {
-            Self::Height(h) => h.to_ne_bytes().to_vec(),
+            Self::Height(v) | Self::Mask32F(v) => v.to_ne_bytes().to_vec(),
             Self::Rgba8(c) => c.to_vec(),
             Self::Rgba16F(c) => c.into_iter().flat_map(f16::to_ne_bytes).collect(),
             Self::Rgba32F(c) => c.into_iter().flat_map(f32::to_ne_bytes).collect(),
@@ -106,6 +109,7 @@ fn sample(to: SampleType, bytes: &[u8]) -> Sample {
         SampleType::Rgba16F => Sample::Rgba16F(halves(padded)),
         SampleType::Rgba32F => Sample::Rgba32F(values),
         SampleType::Mask => Sample::Mask(a),
+        SampleType::Mask32F => Sample::Mask32F(values[0]),
         SampleType::Normal => Sample::Normal(halves(padded)),
     }
 }
@@ -117,12 +121,13 @@ mod tests {
     use super::*;
     use crate::Block;
 
-    const TYPES: [SampleType; 6] = [
+    const TYPES: [SampleType; 7] = [
         SampleType::Height,
         SampleType::Rgba8,
         SampleType::Rgba16F,
         SampleType::Rgba32F,
         SampleType::Mask,
+        SampleType::Mask32F,
         SampleType::Normal,
     ];
 

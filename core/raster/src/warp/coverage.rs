@@ -1,16 +1,59 @@
 //! Whether a grid meets a source at all, from outlines alone.
 
 use core::f64::consts::{PI, TAU};
+use std::collections::HashMap;
 
 use glam::DVec2;
+use parking_lot::Mutex;
 use relievo_planet::map::wrap_longitude;
-use relievo_planet::{Grid, GridCrs};
+use relievo_planet::{Grid, GridCrs, SampleRect};
 
 use super::plane::{SourcePlane, lonlat_from_plane};
 use super::{Coverage, plane};
 
 /// Points along a side when an outline is followed through a projection.
 const POINTS: usize = 25;
+
+/// Grids whose coverage is remembered; each takes about 100 bytes.
+const REMEMBERED: usize = 16_384;
+
+/// What was found for grids of the map: following an outline through a projection takes long, and
+/// names are asked for whenever a project changes.
+#[derive(Debug, Default)]
+pub(super) struct Memory(Mutex<HashMap<Place, Coverage>>);
+
+/// A map grid by its bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Place {
+    origin: [u64; 2],
+    step: [u64; 2],
+    rect: SampleRect,
+}
+
+impl Memory {
+    /// The coverage of a grid, found by `find` unless it is remembered.
+    pub(super) fn of(&self, grid: &Grid, find: impl FnOnce() -> Coverage) -> Coverage {
+        let lattice = &grid.lattice;
+        if lattice.crs != GridCrs::Map {
+            return find();
+        }
+        let place = Place {
+            origin: lattice.origin.to_array().map(f64::to_bits),
+            step: lattice.step.to_array().map(f64::to_bits),
+            rect: grid.rect,
+        };
+        if let Some(known) = self.0.lock().get(&place) {
+            return *known;
+        }
+        let coverage = find();
+        let mut remembered = self.0.lock();
+        if remembered.len() >= REMEMBERED {
+            remembered.clear();
+        }
+        remembered.insert(place, coverage);
+        coverage
+    }
+}
 
 /// A region of the map between two meridians and two parallels, radians.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -71,8 +71,8 @@ impl Resolver<'_> {
         let mut id = IdHasher::default();
         let stored = self.graph.entry(node).cut.expect("a cut point");
         let raw = self.raw(node, at).source;
-        if let (SampleType::Rgba32F, Source::Raw(_)) = (stored, raw) {
-            // Colours kept exactly are what the node gives: a pin renames nothing that reads it.
+        if let (true, Source::Raw(_)) = (stored.is_exact(), raw) {
+            // What is kept exactly is what the node gives: a pin renames nothing that reads it.
             return self.known_id(raw, at).expect("inputs are named first");
         }
         id.bytes(b"cut").int(i64::from(stored.tag()));
