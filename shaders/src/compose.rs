@@ -18,6 +18,8 @@ pub enum Entry {
     Terrain,
     /// `sky_vertex`, `sky_fragment`: draws what is beyond it.
     Sky,
+    /// `mass_vertex`, `mass_fragment`: draws bodies that stand on the ground.
+    Masses,
     /// `blit_vertex`, `blit_fragment`: copies the picture into another target.
     Blit,
     /// `measure`, `choose`: evaluate the map transform and the choice of levels (compute).
@@ -26,10 +28,11 @@ pub enum Entry {
 
 impl Entry {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Displace,
         Self::Terrain,
         Self::Sky,
+        Self::Masses,
         Self::Blit,
         Self::Measure,
     ];
@@ -40,6 +43,7 @@ impl Entry {
             Self::Displace => "displace",
             Self::Terrain => "terrain",
             Self::Sky => "sky",
+            Self::Masses => "masses",
             Self::Blit => "blit",
             Self::Measure => "measure",
         }
@@ -50,6 +54,7 @@ impl Entry {
             Self::Displace => include_str!("../wgsl/displace.wgsl"),
             Self::Terrain => include_str!("../wgsl/terrain.wgsl"),
             Self::Sky => include_str!("../wgsl/sky.wgsl"),
+            Self::Masses => include_str!("../wgsl/masses.wgsl"),
             Self::Blit => include_str!("../wgsl/blit.wgsl"),
             Self::Measure => include_str!("../wgsl/measure.wgsl"),
         }

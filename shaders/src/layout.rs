@@ -98,6 +98,23 @@ pub struct DisplaceRange {
     pub count: u32,
 }
 
+/// `MassPlace` of `masses.wgsl`; meanings are given there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+#[expect(missing_docs, reason = "the WGSL struct documents each field")]
+pub struct MassPlace {
+    pub focus_from_world_x: [f32; 3],
+    pub padding_x: f32,
+    pub focus_from_world_y: [f32; 3],
+    pub padding_y: f32,
+    pub focus_from_world_z: [f32; 3],
+    pub padding_z: f32,
+    pub origin_from_eye_m: [f32; 3],
+    pub padding_origin: f32,
+    pub up_in_focus: [f32; 3],
+    pub origin_height_m: f32,
+}
+
 /// `MeasureInput` of `measure.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

@@ -2,7 +2,7 @@
 
 use core::mem::offset_of;
 
-use relievo_shaders::layout::{DisplaceRange, FrameUniform, LevelUniform, MeasureInput};
+use relievo_shaders::layout::{DisplaceRange, FrameUniform, LevelUniform, MassPlace, MeasureInput};
 use relievo_shaders::{Entry, compose};
 
 type Members = (Vec<(String, usize)>, usize);
@@ -55,7 +55,7 @@ fn the_frame_uniform_has_the_offsets_wgsl_gives_it() {
         colour_window,
         first_height_ring,
     });
-    for entry in [Entry::Displace, Entry::Terrain, Entry::Sky] {
+    for entry in [Entry::Displace, Entry::Terrain, Entry::Sky, Entry::Masses] {
         assert_eq!(naga_members(entry, "Frame"), rust);
     }
 }
@@ -93,4 +93,13 @@ fn the_small_uniforms_have_the_offsets_wgsl_gives_them() {
         levels
     });
     assert_eq!(naga_members(Entry::Measure, "MeasureInput"), rust);
+    let rust: Members = members!(MassPlace {
+        focus_from_world_x,
+        focus_from_world_y,
+        focus_from_world_z,
+        origin_from_eye_m,
+        up_in_focus,
+        origin_height_m
+    });
+    assert_eq!(naga_members(Entry::Masses, "MassPlace"), rust);
 }

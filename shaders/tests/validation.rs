@@ -8,7 +8,7 @@ use relievo_shaders::{Entry, compose};
 fn specialisations(entry: Entry) -> Vec<PipelineConstants> {
     let switches: &[&str] = match entry {
         Entry::Terrain => &["HAS_COLOUR", "HAS_NORMALS", "HAS_HAZE"],
-        Entry::Sky => &["HAS_HAZE"],
+        Entry::Sky | Entry::Masses => &["HAS_HAZE"],
         Entry::Blit => &["TARGET_ENCODES"],
         Entry::Displace | Entry::Measure => &[],
     };

@@ -30,10 +30,6 @@ override MAX_TAPS: u32 = 8u;
 // Linear light of ground that no source colours.
 const BARE_GROUND: vec3f = vec3f(0.23, 0.22, 0.20);
 
-// Part of the air's scattering that is shown before ground: imagery from space was taken through
-// the same air already. At the horizon both saturate, so ground and sky still meet there.
-const GROUND_AIR: f32 = 0.45;
-
 struct Varyings {
     @builtin(position) position: vec4f,
     @location(0) vertex: vec3f,
@@ -42,21 +38,6 @@ struct Varyings {
     // The air between the eye and the ground: what it lets through, and the light it adds.
     @location(3) transmitted: vec3f,
     @location(4) scattered: vec3f,
-}
-
-// Air between the eye and a place `height_m` above the sphere, in columns. `towards_eye`: unit
-// vector from the place.
-fn air_between(height_m: f32, up: vec3f, towards_eye: vec3f) -> f32 {
-    let up_here = dot(up, towards_eye);
-    let up_at_eye = dot(frame.eye_up_in_focus, towards_eye);
-    var air = 0.0;
-    if (up_at_eye < 0.0) {
-        // The place is higher: count from the eye, where the air is denser.
-        air = air_to_space(frame.altitude_m, -up_at_eye) - air_to_space(height_m, -up_here);
-    } else {
-        air = air_to_space(height_m, up_here) - air_to_space(frame.altitude_m, up_at_eye);
-    }
-    return max(air, 0.0);
 }
 
 @vertex

@@ -1,4 +1,4 @@
-//! The clipmap front-end: textures, displacement, terrain, sky, on wgpu.
+//! The clipmap front-end: textures, displacement, terrain, bodies, sky, on wgpu.
 //!
 //! ```text
 //! Engine::drain -> Frame --Renderer::render--> clipmap textures -> displaced rings -> picture
@@ -15,6 +15,7 @@ pub mod clipmap_textures;
 pub mod device;
 pub mod displace;
 pub mod frame_group;
+pub mod masses;
 pub mod measure;
 pub mod memory;
 pub mod mesh;

@@ -1,4 +1,4 @@
-//! Draws frames: uploads, displacement, terrain, sky, into a picture of its own.
+//! Draws frames: uploads, displacement, terrain, bodies, sky, into a picture of its own.
 //!
 //! Invariant: a frame is drawn from one [`Frame`] only; what is on the device after it is a
 //! function of all uploads so far. Absent: projects, tiles, windows; submission is the caller's.
@@ -15,6 +15,7 @@ use crate::clipmap_textures::{ClipmapTexture, UploadError};
 use crate::device::{Gpu, LossWatch};
 use crate::displace::{DisplaceGroup, DisplacePass};
 use crate::frame_group::FrameGroup;
+use crate::masses::MassPass;
 use crate::memory::{self, OutOfMemory};
 use crate::mesh::{MeshBuffers, MeshSelection};
 use crate::quality::{Look, Quality};
@@ -78,6 +79,7 @@ pub struct Renderer {
     frame_group: FrameGroup,
     displace: DisplacePass,
     terrain: TerrainPass,
+    masses: MassPass,
     sky: SkyPass,
     blit: BlitPass,
     mesh: MeshBuffers,
@@ -107,6 +109,7 @@ impl Renderer {
         let frame_group = FrameGroup::new(device);
         let displace = DisplacePass::new(device, frame_group.layout());
         let terrain = TerrainPass::new(device, frame_group.layout());
+        let masses = MassPass::new(device, frame_group.layout());
         let sky = SkyPass::new(device, frame_group.layout());
         let blit = BlitPass::new(device, target_format);
         // Bound while a scene has none of a kind; the first levels replace them.
@@ -129,6 +132,7 @@ impl Renderer {
             frame_group,
             displace,
             terrain,
+            masses,
             sky,
             blit,
             mesh,
@@ -195,6 +199,7 @@ impl Renderer {
         }
         let uploaded_bytes = stored?;
         let resized = self.resize(frame.viewport_px)?;
+        let masses_changed = self.masses.follow(&self.device, &self.queue, frame);
         let uniform = frame_uniform(frame, self.targets.size_px(), self.look);
         let levels = Box::new(level_uniforms(frame));
         let selection = self.mesh.select(&frame.plan);
@@ -214,12 +219,13 @@ impl Renderer {
             let same_levels = drawn.levels == levels && frame.uploads.is_empty();
             (
                 same_frame && same_heights,
-                same_frame && same_levels && !resized && drawn.key == key,
+                same_frame && same_levels && !resized && !masses_changed && drawn.key == key,
             )
         });
         let mut stats = FrameStats {
             reused: same_picture,
             triangles: selection.triangles,
+            mass_triangles: self.masses.triangles(),
             triangles_without_culling: selection.triangles_without_culling,
             draws: selection.draws.len() as u32,
             displaced_vertices: 0,
@@ -295,6 +301,7 @@ impl Renderer {
         pass.set_bind_group(0, frame_group.group(), &[]);
         self.terrain
             .draw(device, &mut pass, key, &self.terrain_group, mesh, selection);
+        self.masses.draw(device, &mut pass, key.haze);
         self.sky.draw(&mut pass, key.haze);
         drop(pass);
         let measures = queries.is_some();
@@ -398,7 +405,7 @@ impl Renderer {
     fn gpu_memory(&self) -> u64 {
         let [width, height] = self.targets.size_px().map(u64::from);
         let textures = self.heights.memory() + self.colours.memory() + self.normals.memory();
-        textures + self.mesh.memory() + 8 * width * height
+        textures + self.mesh.memory() + self.masses.memory() + 8 * width * height
     }
 
     /// Shows the latest picture in a pass of the target format; it fills the viewport.

@@ -10,6 +10,8 @@ pub struct FrameStats {
     pub reused: bool,
     /// Triangles drawn.
     pub triangles: u64,
+    /// Triangles of bodies on the ground.
+    pub mass_triangles: u64,
     /// Triangles that would have been drawn without leaving out invisible sectors.
     pub triangles_without_culling: u64,
     /// Draw calls for terrain.

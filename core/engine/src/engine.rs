@@ -2,6 +2,7 @@
 
 mod ahead;
 mod asking;
+mod bodies;
 mod edits;
 mod follow;
 mod keeping;
@@ -36,6 +37,7 @@ pub use self::tally::{Made, NodeReport};
 use crate::compile::{self, NodeCache};
 use crate::frame::{ClipKind, Frame};
 use crate::labels::LabelCache;
+use crate::masses::making::Bodies;
 use crate::message::{Message, Messages};
 use crate::query::Questions;
 use crate::residency::Stack;
@@ -87,6 +89,9 @@ pub struct Engine {
     asked: HashSet<ContentId>,
     dirty: bool,
     pending: usize,
+    /// Bodies on the ground, while some layer has any.
+    bodies: Option<Bodies>,
+    wake: Option<Arc<dyn Fn() + Send + Sync>>,
     /// A visible tile waits for a file to be opened again.
     stuck: bool,
 }
@@ -124,6 +129,7 @@ impl Engine {
         let tile_options = options.tiles();
         let tally = (options.tally && !options.log).then(Tally::default);
         let prefetch = asking::prefetch_for(options.memory);
+        let wake = options.wake.clone();
         let sources = Sources::new(options.cache_folder, options.wake, options.watch)?;
         let nodes = NodeCache::default();
         let label_cache = LabelCache::default();
@@ -168,6 +174,8 @@ impl Engine {
             dirty: true,
             pending: 0,
             stuck: false,
+            bodies: None,
+            wake,
         };
         engine.sources.require(&engine.project, &engine.folder);
         Ok(engine)
@@ -255,7 +263,8 @@ impl Engine {
         {
             self.dirty = true;
         }
-        Some(self.frame(&view, uploads))
+        let masses = self.bodies(&view);
+        Some(self.frame(&view, uploads, masses))
     }
 
     /// Waits until a finished tile or an opened file is there to drain, or the time is over; `true`
@@ -265,7 +274,13 @@ impl Engine {
             self.sources.wait(timeout.min(Duration::from_millis(50)));
             return false;
         }
-        self.tiles.wait(timeout)
+        match &self.bodies {
+            Some(bodies) if bodies.pending() > 0 => {
+                bodies.wait(timeout.min(Duration::from_millis(50)));
+                false
+            }
+            Some(_) | None => self.tiles.wait(timeout),
+        }
     }
 
     /// Whether files are still being opened or a revision is being made.

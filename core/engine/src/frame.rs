@@ -7,6 +7,8 @@ use relievo_planet::clipmap::{Plan, Window, choose};
 use relievo_planet::{Camera, Planet};
 use relievo_raster::Tile;
 
+use crate::masses::MassMesh;
+
 /// Which stack of clip levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ClipKind {
@@ -94,6 +96,8 @@ pub struct Frame {
     pub sun: Sun,
     /// Density of the air at the datum relative to Earth's; 0 has a black sky.
     pub air: f32,
+    /// Bodies that stand on the ground.
+    pub masses: Vec<Arc<MassMesh>>,
     /// Samples to copy, in order.
     pub uploads: Vec<Upload>,
     /// Visible tiles that are still to come.

@@ -13,6 +13,7 @@ pub mod engine;
 pub mod frame;
 pub mod histogram;
 mod labels;
+mod masses;
 mod message;
 pub mod query;
 pub mod relink;
@@ -34,6 +35,7 @@ pub use engine::{
 pub use engine::{Made, NodeReport};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
 pub use labels::PlacedLabel;
+pub use masses::{MassMesh, MassVertex};
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};
 pub use sampling::Stage;

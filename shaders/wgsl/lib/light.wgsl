@@ -38,6 +38,13 @@ fn encode_srgb(linear: vec3f) -> vec3f {
     return select(high, low, linear <= vec3f(0.0031308));
 }
 
+// Linear light of a display value that is sRGB encoded.
+fn decode_srgb(encoded: vec3f) -> vec3f {
+    let low = encoded / 12.92;
+    let high = pow((encoded + 0.055) / 1.055, vec3f(2.4));
+    return select(high, low, encoded <= vec3f(0.04045));
+}
+
 // Keeps bright light inside the display's range: the identity below 0.8, then a shoulder.
 fn shoulder(linear: vec3f) -> vec3f {
     let over = max(linear - 0.8, vec3f(0.0));

@@ -64,3 +64,22 @@ fn scattered(air: f32, sun_up: f32, towards_sun: f32) -> vec3f {
     let white = vec3f(0.80, 0.90, 1.0) * 0.92;
     return lit * white * glow * (1.0 - transmitted(air));
 }
+
+// Part of the air's scattering that is shown before ground: imagery from space was taken through
+// the same air already. At the horizon both saturate, so ground and sky still meet there.
+const GROUND_AIR: f32 = 0.45;
+
+// Air between the eye and a place `height_m` above the sphere, in columns. `towards_eye`: unit
+// vector from the place.
+fn air_between(height_m: f32, up: vec3f, towards_eye: vec3f) -> f32 {
+    let up_here = dot(up, towards_eye);
+    let up_at_eye = dot(frame.eye_up_in_focus, towards_eye);
+    var air = 0.0;
+    if (up_at_eye < 0.0) {
+        // The place is higher: count from the eye, where the air is denser.
+        air = air_to_space(frame.altitude_m, -up_at_eye) - air_to_space(height_m, -up_here);
+    } else {
+        air = air_to_space(height_m, up_here) - air_to_space(frame.altitude_m, up_at_eye);
+    }
+    return max(air, 0.0);
+}

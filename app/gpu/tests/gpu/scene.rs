@@ -82,6 +82,7 @@ pub(crate) fn frame(world: &World, camera: Camera, viewport_px: [u32; 2], sun: S
         colours: Vec::new(),
         normals: Vec::new(),
         sun,
+        masses: Vec::new(),
         uploads: Vec::new(),
         air: 1.0,
         pending: 0,

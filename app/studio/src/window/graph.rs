@@ -189,6 +189,7 @@ fn samples_of(kind: SampleType) -> &'static str {
         SampleType::Rgba16F => "colours of 16 bits",
         SampleType::Rgba32F => "colours of 32 bits, exactly as they were made",
         SampleType::Mask => "weights of 8 bits",
+        SampleType::Mask32F => "weights, exact",
         SampleType::Normal => "normals of 16 bits",
     }
 }

@@ -1,15 +1,24 @@
 //! What is drawn of it all: the frame, its light and its air.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use relievo_planet::{Camera, MapPoint};
 use relievo_project::{Body, Project};
 
 use super::{Engine, HEIGHT_WINDOW};
 use crate::frame::{Frame, Sun, Upload};
+use crate::masses::MassMesh;
+use crate::masses::making::Bodies;
 use crate::view::View;
 
 impl Engine {
-    pub(super) fn frame(&self, view: &View, uploads: Vec<Upload>) -> Frame {
+    pub(super) fn frame(
+        &self,
+        view: &View,
+        uploads: Vec<Upload>,
+        masses: Vec<Arc<MassMesh>>,
+    ) -> Frame {
         let settings = &self.project.planet;
         let planet = settings.body.figure();
         let plan = self.plan.clone().expect("replan made one just before");
@@ -27,8 +36,11 @@ impl Engine {
             normals: self.stacks.normal.views(),
             sun: sun(&self.project, &view.camera),
             air: air(settings.body),
+            masses,
             uploads,
-            pending: self.pending + usize::from(self.is_busy() || self.dirty),
+            pending: self.pending
+                + self.bodies.as_ref().map_or(0, Bodies::pending)
+                + usize::from(self.is_busy() || self.dirty),
             plan,
         }
     }
