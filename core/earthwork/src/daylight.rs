@@ -45,6 +45,9 @@ struct Corner {
 type EdgeOf = (I64Pair, bool);
 type I64Pair = (i64, i64);
 
+/// Answers heights at places, in metres, in their order; NaN where there is none.
+pub type HeightsOf<'a, E> = dyn FnMut(&[MapPoint]) -> Result<Vec<f64>, E> + 'a;
+
 impl Shaped {
     /// Lines along which the element's work, taken alone, ends: where slopes meet the ground, and
     /// walls where they do not within their reach. Found on cells of `spacing_m` metres (more where
@@ -58,7 +61,7 @@ impl Shaped {
     pub fn daylight<E>(
         &self,
         spacing_m: f64,
-        ground: &mut dyn FnMut(&[MapPoint]) -> Result<Vec<f64>, E>,
+        ground: &mut HeightsOf<'_, E>,
     ) -> Result<Vec<DaylightLine>, E> {
         let Form::Solid(solid) = &self.form else {
             return Ok(Vec::new());

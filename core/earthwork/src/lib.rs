@@ -30,7 +30,7 @@ mod tin;
 mod tree;
 pub mod warning;
 
-pub use daylight::{DaylightLine, Ending};
+pub use daylight::{DaylightLine, Ending, HeightsOf};
 pub use design::{Design, Outcome, Part, Samples};
 pub use element::{
     Corridor, Element, Polygon, Profile, Section, Shape, Side, Stroke, Surface, Tool, Vertex,

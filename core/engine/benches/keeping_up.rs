@@ -9,6 +9,7 @@
 #![expect(clippy::print_stdout, reason = "a bench says what it found")]
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
+#[path = "support/processor.rs"]
 mod processor;
 
 use std::path::Path;

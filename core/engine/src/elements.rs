@@ -37,7 +37,7 @@ struct Kept {
 struct Placed {
     element: Arc<Element>,
     planet: Planet,
-    placed: Option<Arc<PlacedElement>>,
+    node: Option<Arc<PlacedElement>>,
     used: u64,
 }
 
@@ -74,12 +74,12 @@ impl ElementCache {
             let slot = kept.placed.entry(address).or_insert_with(|| Placed {
                 element: Arc::clone(element),
                 planet,
-                placed: place(planet, element),
+                node: place(planet, element),
                 used: now,
             });
             if slot.planet != planet {
                 slot.planet = planet;
-                slot.placed = place(planet, element);
+                slot.node = place(planet, element);
             }
             slot.used = now;
             for list in slot.element.vertex_lists() {
@@ -91,7 +91,7 @@ impl ElementCache {
                     plan.warnings.push((element.id.clone(), text));
                 }
             }
-            let Some(placed) = &slot.placed else {
+            let Some(placed) = &slot.node else {
                 let text = format!(
                     "element {:?} is of a kind that a newer program made; it is left out",
                     element.name

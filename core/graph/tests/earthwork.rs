@@ -1,5 +1,4 @@
 //! Planning elements in a graph: what an edit makes anew, and what it does not.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -158,12 +158,11 @@ impl Tile {
     pub fn bytes(&self) -> Option<&[u8]> {
         match &self.content {
             Content::Uniform(_) => None,
-            Content::Height(s) => Some(bytemuck::cast_slice(s)),
+            Content::Height(s) | Content::Mask32F(s) => Some(bytemuck::cast_slice(s)),
             Content::Rgba8(s) => Some(bytemuck::cast_slice(s)),
             Content::Rgba16F(s) => Some(bytemuck::cast_slice(s)),
             Content::Rgba32F(s) => Some(bytemuck::cast_slice(s)),
             Content::Mask(s) => Some(s),
-            Content::Mask32F(s) => Some(bytemuck::cast_slice(s)),
             Content::Normal(s) => Some(bytemuck::cast_slice(s)),
         }
     }

@@ -95,7 +95,7 @@ fn arrows_choose_in_the_palette() {
         let all = w.harness.query_all_by_role(Role::ListBoxOption);
         let node = all.filter(|n| n.accesskit_node().toggled() == Some(Toggled::True));
         // The selected layer lies behind the palette.
-        node.filter_map(|n| n.accesskit_node().label()).last()
+        node.filter_map(|n| n.accesskit_node().label()).next_back()
     };
     let first = chosen(&window);
     window.press(Modifiers::NONE, Key::ArrowDown);
@@ -123,12 +123,11 @@ fn a_click_in_the_history_goes_there_and_back() {
     let last = window
         .harness
         .query_all_by_role(Role::ListBoxOption)
-        .filter(|n| {
+        .rfind(|n| {
             n.accesskit_node()
                 .label()
                 .is_some_and(|l| l.starts_with("Step: "))
         })
-        .last()
         .unwrap();
     last.click();
     window.steps();

@@ -153,7 +153,6 @@ impl Earthwork {
 
     /// Heights of the rows `rect` of the job's grid, in place.
     fn rows(
-        &self,
         design: &Design,
         grid: &Grid,
         spacing_m: f64,
@@ -290,7 +289,7 @@ impl ImageNode for Earthwork {
             }));
             let rows = SampleRect::at(rect.min.x, first, rect.width(), last - first);
             let grid = job.grid.with_rect(rows);
-            self.rows(&design, &grid, spacing_m, &mut outcomes)?;
+            Self::rows(&design, &grid, spacing_m, &mut outcomes)?;
             for (h, o) in heights.iter_mut().zip(&outcomes) {
                 if o.by.is_some() {
                     *h = o.height_m as f32;

@@ -294,12 +294,13 @@ mod tests {
     use super::*;
 
     const SIDE: usize = TILE_SAMPLES as usize;
-    const TYPES: [SampleType; 6] = [
+    const TYPES: [SampleType; 7] = [
         SampleType::Height,
         SampleType::Rgba8,
         SampleType::Rgba16F,
         SampleType::Rgba32F,
         SampleType::Mask,
+        SampleType::Mask32F,
         SampleType::Normal,
     ];
 
@@ -339,6 +340,7 @@ mod tests {
                         SampleType::Rgba16F => Sample::Rgba16F(v.map(f16::from_f32)),
                         SampleType::Rgba32F => Sample::Rgba32F(v),
                         SampleType::Mask => Sample::Mask((v[0] * 255.0 + 0.5) as u8),
+                        SampleType::Mask32F => Sample::Mask32F(v[0]),
                         SampleType::Normal => Sample::Normal([v[0], v[1]].map(f16::from_f32)),
                     };
                     prop_assert_eq!(tile.sample(i % SIDE, i / SIDE), expected);

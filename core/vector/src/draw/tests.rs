@@ -479,12 +479,28 @@ fn absurd_widths_and_coordinates_draw_something_or_nothing_but_end() {
 #[test]
 fn where_a_file_cut_a_polygon_at_the_antimeridian_there_is_no_stroke() {
     let mut b = Builder::degrees();
-    b.ring([[170.0, 60.0], [180.0, 60.0], [180.0, 70.0], [170.0, 70.0]], false)
-        .unwrap();
-    b.ring([[-180.0, 60.0], [-170.0, 60.0], [-170.0, 70.0], [-180.0, 70.0]], false)
-        .unwrap();
+    b.ring(
+        [[170.0, 60.0], [180.0, 60.0], [180.0, 70.0], [170.0, 70.0]],
+        false,
+    )
+    .unwrap();
+    b.ring(
+        [
+            [-180.0, 60.0],
+            [-170.0, 60.0],
+            [-170.0, 70.0],
+            [-180.0, 70.0],
+        ],
+        false,
+    )
+    .unwrap();
     let drawing = drawing(b.finish().unwrap(), stroke(Length::Pixels(2.0)));
-    for (lon, there) in [(180.0, false), (-179.99, false), (170.0, true), (-170.0, true)] {
+    for (lon, there) in [
+        (180.0, false),
+        (-179.99, false),
+        (170.0, true),
+        (-170.0, true),
+    ] {
         let block = draw(&drawing, &around(LevelKey::new(6, 5), lon, 65.0, 4));
         let any = block.plane(3).iter().any(|a| *a > 0.0);
         assert_eq!(any, there, "{lon}");

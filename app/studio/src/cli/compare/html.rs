@@ -54,7 +54,7 @@ pub(super) fn page(
     );
     html += "<div class=\"scroll\"><table>\n<thead><tr><th>Element</th>";
     for head in HEADS {
-        html += &format!("<th>{head}</th>");
+        html.extend(["<th>", head, "</th>"]);
     }
     html += "</tr></thead>\n<tbody>\n";
     for element in &report.elements {
@@ -74,7 +74,7 @@ pub(super) fn page(
     html += &row(" class=\"total\"", "Total", &report.total);
     html += "</tbody>\n</table></div>\n";
     for note in &report.notes {
-        html += &format!("<p>{}</p>\n", escaped(note));
+        html.extend(["<p>", &escaped(note), "</p>\n"]);
     }
     for site in sites {
         html += &pictures(site, &a, &b)?;

@@ -3,8 +3,11 @@
 use relievo_engine::analysis::{Amount, ComparisonReport, Volumes};
 use serde_json::{Map, Value, json};
 
-/// Quantities in the order of columns: name with unit, what to read, digits after the point.
-pub(super) const QUANTITIES: [(&str, fn(&Volumes) -> Amount, usize); 8] = [
+/// A column: name with unit, what to read, digits after the point.
+type Quantity = (&'static str, fn(&Volumes) -> Amount, usize);
+
+/// Quantities in the order of columns.
+pub(super) const QUANTITIES: [Quantity; 8] = [
     ("cut_m3", |v| v.cut_m3, 2),
     ("fill_m3", |v| v.fill_m3, 2),
     ("net_m3", |v| v.net_m3, 2),
@@ -55,14 +58,15 @@ fn quantities(volumes: &Volumes) -> Map<String, Value> {
 pub(super) fn csv(report: &ComparisonReport) -> String {
     let mut text = String::from("id,name,kind,step");
     for (name, _, _) in QUANTITIES {
-        text += &format!(",{name},{name}_error");
+        text.extend([",", name, ",", name, "_error"]);
     }
     text.push('\n');
     let mut row = |cells: [&str; 4], volumes: &Volumes| {
         text += &cells.map(quoted).join(",");
         for (_, of, digits) in QUANTITIES {
             let amount = of(volumes);
-            text += &format!(",{:.digits$},{:.digits$}", amount.value, amount.error);
+            let pair = format!(",{:.digits$},{:.digits$}", amount.value, amount.error);
+            text += &pair;
         }
         text.push('\n');
     };

@@ -254,6 +254,10 @@ fn label(ui: &mut Ui, style: &VectorStyle, set: &Set<'_>, actions: &mut Vec<Acti
 }
 
 /// A colour that may be absent; what it becomes, if it changes.
+#[expect(
+    clippy::option_option,
+    reason = "whether it changes, and to which colour if any"
+)]
 pub(crate) fn colour(ui: &mut Ui, name: &str, value: Option<[u8; 3]>) -> Option<Option<[u8; 3]>> {
     ui.horizontal(|ui| {
         let mut on = value.is_some();

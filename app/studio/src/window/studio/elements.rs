@@ -100,6 +100,10 @@ impl Studio {
     }
 
     /// Carries a command out that is about the selected element; `false`: none is selected.
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "most commands are about no element"
+    )]
     pub(super) fn run_on_element(&mut self, command: Command) -> bool {
         let Some(element) = self.selected_element() else {
             return false;

@@ -181,7 +181,7 @@ impl Studio {
                     .filter_map(|c| c.element_id())
                     .any(|e| e.0 == id)
         };
-        let number = (1_u32..)
+        let number = (1..u32::MAX)
             .find(|n| !taken(&format!("{}-{n}", stem.to_lowercase())))
             .unwrap_or(u32::MAX);
         let id = format!("{}-{number}", stem.to_lowercase());

@@ -53,7 +53,7 @@ impl Studio {
         match self.tools.tool {
             Tool::Select => {}
             Tool::Polygon | Tool::Corridor | Tool::Measure => {
-                self.paint_draft(&painter, &projector)
+                self.paint_draft(&painter, &projector);
             }
             Tool::Brush => {
                 if let Some(at) = self.tools.pointer {
