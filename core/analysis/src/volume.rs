@@ -187,7 +187,7 @@ impl Volumes {
 
 /// Measures what changes between two grounds inside a region.
 ///
-/// The region is tiled by patches of [`CELLS`]² cells; those that are known to be equal cost nothing. In
+/// The region is tiled by patches of 32² cells; those that are known to be equal cost nothing. In
 /// a cell both surfaces are four triangles around its centre, over which cut and fill are integrated
 /// exactly, so where surfaces are continuous errors fall with the square of the spacing, at walls with
 /// the spacing. Each patch is summed at its spacing and at twice as much. The stated error is the sum of

@@ -58,7 +58,7 @@ impl Questions {
         Measure::new(&self.planet)
     }
 
-    /// Heights along a line of geodesics; see [`relievo_analysis::profile`].
+    /// Heights along a line of geodesics; see [`relievo_analysis::profile()`].
     ///
     /// # Errors
     /// [`AnalysisError`].
