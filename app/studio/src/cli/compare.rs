@@ -43,6 +43,9 @@ pub(crate) struct Arguments {
     /// Share of volumes and areas that their errors should not exceed.
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, allow_hyphen_values = true, value_parser = units::positive)]
     tolerance: f64,
+    /// Samples that are evaluated at most for a step; what they leave open stands in the errors.
+    #[arg(long, value_name = "N", default_value_t = 1 << 19, value_parser = clap::value_parser!(u64).range(1024..=1 << 32))]
+    samples: u64,
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
@@ -63,6 +66,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         .map_err(|line| Failure::Input(format!("{line}: {:?}", arguments.project)))?;
     let settings = VolumeSettings {
         tolerance: arguments.tolerance,
+        max_samples: arguments.samples,
         threads: threads(context),
         ..VolumeSettings::from_spacing(1e9)
     };
