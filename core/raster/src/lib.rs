@@ -14,6 +14,7 @@ pub mod kernel;
 pub mod open;
 pub mod power;
 pub mod reduce;
+pub mod sqlite;
 pub mod tile;
 pub mod vector;
 pub mod warp;

@@ -1,27 +1,21 @@
 //! MBTiles: tiles in an SQLite database.
 //!
-//! Opened as immutable: nothing is written beside the file, and no lock is taken. A database may
-//! hold views that never end or values that never fit: every question has a budget of steps, and
-//! values have a largest size.
+//! Opened as a stranger's ([`crate::sqlite`]).
 //!
 //! Source: MBTiles specification 1.3; rows count from south.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use parking_lot::Mutex;
-use rusqlite::limits::Limit;
-use rusqlite::{Connection, OpenFlags, OptionalExtension};
+use rusqlite::{Connection, OptionalExtension};
 use serde_json::Value;
 
 use super::decode::MAX_TILE_BYTES;
 use super::store::{Description, Hints, MAX_ZOOM, Store, TileAt, TileExtent};
 use crate::fault::{Fault, damaged, unsupported};
 use crate::open::TileRows;
+use crate::sqlite::{self, Budget, Limits, OpenError};
 
-/// Steps of the database's machine between two looks at the budget.
-const STEPS_AT_ONCE: i32 = 10_000;
 /// Looks at the budget that a question may last: some seconds (tests are in more of a hurry).
 const BUDGET: u64 = if cfg!(test) { 500 } else { 20_000 };
 /// Rows of metadata at most.
@@ -31,7 +25,7 @@ const MAX_METADATA_ROWS: usize = 1000;
 pub(super) struct MbTiles {
     /// One question at a time: decoding takes longer by far.
     connection: Mutex<Connection>,
-    looks: Arc<AtomicU64>,
+    budget: Budget,
     rows: TileRows,
 }
 
@@ -51,55 +45,20 @@ fn fault(error: &rusqlite::Error) -> Fault {
     }
 }
 
-/// The path as SQLite's URI of a file that nobody changes.
-fn uri(path: &Path) -> std::io::Result<String> {
-    let path = std::path::absolute(path)?;
-    let mut uri = String::from("file:");
-    if cfg!(windows) {
-        uri.push('/');
-    }
-    for byte in path.as_os_str().as_encoded_bytes() {
-        match byte {
-            b'\\' if cfg!(windows) => uri.push('/'),
-            b'/' | b'.' | b'-' | b'_' | b'~' | b':' => uri.push(char::from(*byte)),
-            byte if byte.is_ascii_alphanumeric() => uri.push(char::from(*byte)),
-            byte => {
-                let digits = b"0123456789ABCDEF";
-                uri.push('%');
-                uri.push(char::from(digits[usize::from(byte >> 4)]));
-                uri.push(char::from(digits[usize::from(byte & 15)]));
-            }
-        }
-    }
-    uri.push_str("?immutable=1");
-    Ok(uri)
-}
-
 impl MbTiles {
     /// Opens a database and reads its metadata.
     pub(super) fn open(path: &Path, rows: Option<TileRows>) -> Result<(Self, Description), Fault> {
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY
-            | OpenFlags::SQLITE_OPEN_URI
-            | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let mut connection = Connection::open_with_flags(uri(path).map_err(Fault::Io)?, flags)
-            .map_err(|e| fault(&e))?;
-        let looks = Arc::new(AtomicU64::new(0));
-        let counter = Arc::clone(&looks);
-        connection
-            .progress_handler(
-                STEPS_AT_ONCE,
-                Some(move || counter.fetch_add(1, Ordering::Relaxed) >= BUDGET),
-            )
-            .map_err(|e| fault(&e))?;
-        connection
-            .set_limit(Limit::SQLITE_LIMIT_LENGTH, MAX_TILE_BYTES as i32)
-            .map_err(|e| fault(&e))?;
-        connection
-            .execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")
-            .map_err(|e| fault(&e))?;
+        let limits = Limits {
+            value_bytes: MAX_TILE_BYTES as i32,
+            looks: BUDGET,
+        };
+        let (connection, budget) = sqlite::open(path, limits).map_err(|error| match error {
+            OpenError::Io(error) => Fault::Io(error),
+            OpenError::Database(error) => fault(&error),
+        })?;
         let mut file = Self {
             connection: Mutex::new(connection),
-            looks,
+            budget,
             rows: TileRows::FromSouth,
         };
         let hints = file.metadata()?;
@@ -111,7 +70,7 @@ impl MbTiles {
     /// The connection with a fresh budget.
     fn ask(&self) -> parking_lot::MutexGuard<'_, Connection> {
         let connection = self.connection.lock();
-        self.looks.store(0, Ordering::Relaxed);
+        self.budget.refill();
         connection
     }
 

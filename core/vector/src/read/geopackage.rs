@@ -1,19 +1,16 @@
 //! GeoPackage: features in a SQLite database.
 //!
-//! Opened as immutable, so nothing is written beside the file; a database that another program is
-//! writing to is read as it was last closed. Tables may be views that never end: every row has a
-//! budget of steps, and values have a largest size.
+//! Opened as a stranger's ([`relievo_raster::sqlite`]); a database that another program is writing to is
+//! read as it was last closed. Every row has a budget of its own, since tables may be views.
 //!
 //! Source: OGC 12-128r19 (GeoPackage 1.4).
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use relievo_raster::crs::from_wkt;
-use rusqlite::limits::Limit;
+use relievo_raster::sqlite::{self, Budget, Limits, OpenError};
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OpenFlags, OptionalExtension};
+use rusqlite::{Connection, OptionalExtension};
 
 use super::wkb;
 use crate::error::{Fault, damaged, unsupported};
@@ -21,8 +18,6 @@ use crate::features::{Builder, Features};
 use crate::open::{OpenOptions, Summary, system};
 use crate::value::Value;
 
-/// Steps of the database's machine between two looks at the budget.
-const STEPS_AT_ONCE: i32 = 10_000;
 /// Looks at the budget until a row must be there: some seconds (tests are in more of a hurry).
 const BUDGET: u64 = if cfg!(test) { 500 } else { 20_000 };
 /// Bytes of a geometry or a text at most.
@@ -42,33 +37,9 @@ fn fault(error: &rusqlite::Error) -> Fault {
     }
 }
 
-/// The path as SQLite's URI of a file that nobody changes.
-fn uri(path: &Path) -> std::io::Result<String> {
-    let path = std::path::absolute(path)?;
-    let mut uri = String::from("file:");
-    if cfg!(windows) {
-        uri.push('/');
-    }
-    for byte in path.as_os_str().as_encoded_bytes() {
-        match byte {
-            b'\\' if cfg!(windows) => uri.push('/'),
-            b'/' | b'.' | b'-' | b'_' | b'~' | b':' => uri.push(char::from(*byte)),
-            byte if byte.is_ascii_alphanumeric() => uri.push(char::from(*byte)),
-            byte => {
-                let digits = b"0123456789ABCDEF";
-                uri.push('%');
-                uri.push(char::from(digits[usize::from(byte >> 4)]));
-                uri.push(char::from(digits[usize::from(byte & 15)]));
-            }
-        }
-    }
-    uri.push_str("?immutable=1");
-    Ok(uri)
-}
-
 struct Package {
     connection: Connection,
-    looks: Arc<AtomicU64>,
+    budget: Budget,
 }
 
 /// A table of features.
@@ -124,31 +95,20 @@ pub(crate) fn read(path: &Path, options: &OpenOptions) -> Result<(Features, Summ
 
 impl Package {
     fn open(path: &Path) -> Result<Self, Fault> {
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY
-            | OpenFlags::SQLITE_OPEN_URI
-            | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let mut connection =
-            Connection::open_with_flags(uri(path)?, flags).map_err(|e| fault(&e))?;
-        let looks = Arc::new(AtomicU64::new(0));
-        let counter = Arc::clone(&looks);
-        connection
-            .progress_handler(
-                STEPS_AT_ONCE,
-                Some(move || counter.fetch_add(1, Ordering::Relaxed) >= BUDGET),
-            )
-            .map_err(|e| fault(&e))?;
-        connection
-            .set_limit(Limit::SQLITE_LIMIT_LENGTH, MAX_VALUE_BYTES)
-            .map_err(|e| fault(&e))?;
-        connection
-            .execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")
-            .map_err(|e| fault(&e))?;
-        Ok(Self { connection, looks })
+        let limits = Limits {
+            value_bytes: MAX_VALUE_BYTES,
+            looks: BUDGET,
+        };
+        let (connection, budget) = sqlite::open(path, limits).map_err(|error| match error {
+            OpenError::Io(error) => Fault::from(error),
+            OpenError::Database(error) => fault(&error),
+        })?;
+        Ok(Self { connection, budget })
     }
 
     /// Starts a question's budget anew.
     fn refill(&self) {
-        self.looks.store(0, Ordering::Relaxed);
+        self.budget.refill();
     }
 
     fn tables(&self) -> Result<Vec<Table>, Fault> {
