@@ -54,19 +54,25 @@ fn folder(path: &Path) -> &Path {
         .unwrap_or_else(|| Path::new("."))
 }
 
-/// Writes a file beside its place and moves it there when it is whole.
-fn atomically(
-    path: &Path,
-    write: impl FnOnce(&mut std::io::BufWriter<&mut std::fs::File>) -> std::io::Result<()>,
-) -> Result<(), WriteError> {
-    use std::io::Write;
-    // Moving a file onto a device or a folder would take it away from the system.
+/// Refuses a place that holds something else than a file: moving a file onto a device or a folder
+/// would take it away from the system. Long work asks before it begins.
+fn expect_a_file_or_nothing(path: &Path) -> Result<(), WriteError> {
     if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
         return Err(WriteError::Unsupported {
             reason: "expected a file to replace, found a folder or a device".into(),
             path: path.to_owned(),
         });
     }
+    Ok(())
+}
+
+/// Writes a file beside its place and moves it there when it is whole.
+fn atomically(
+    path: &Path,
+    write: impl FnOnce(&mut std::io::BufWriter<&mut std::fs::File>) -> std::io::Result<()>,
+) -> Result<(), WriteError> {
+    use std::io::Write;
+    expect_a_file_or_nothing(path)?;
     let mut temporary = tempfile::Builder::new()
         .prefix(".relievo-")
         .tempfile_in(folder(path))

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use parking_lot::Mutex;
 
 use super::CogLayout;
-use crate::write::{WriteError, folder, io_error};
+use crate::write::{WriteError, expect_a_file_or_nothing, folder, io_error};
 
 /// First bytes of a kept spool.
 const MAGIC: &[u8; 20] = b"relievo partial 1\n\0\0";
@@ -39,6 +39,7 @@ impl Spool {
         resume: Option<[u8; 32]>,
         most_tiles: usize,
     ) -> Result<Self, WriteError> {
+        expect_a_file_or_nothing(path)?;
         let Some(request) = resume else {
             return Self::passing(path);
         };
