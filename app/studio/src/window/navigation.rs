@@ -4,7 +4,7 @@
 
 use glam::{DVec2, DVec3};
 use relievo_engine::planet::camera::{Fly, FlyInput, GoTo};
-use relievo_engine::planet::{Camera, Planet};
+use relievo_engine::planet::{Camera, MapPoint, Planet};
 
 /// Turn for a pointer that crosses the height of the viewport, radians.
 const TURN_PER_HEIGHT_RAD: f64 = 3.0;
@@ -34,12 +34,26 @@ enum Held {
     Look,
 }
 
+/// On the way to a view.
+#[derive(Clone, Copy, Debug)]
+struct Journey {
+    path: GoTo,
+    time_s: f64,
+    from: Camera,
+    from_ground_m: f64,
+    to: Camera,
+    /// Height of the ground below the end, as it was known last.
+    to_ground_m: f64,
+    /// How high above that ground it ends, where that matters more than the height above the datum.
+    above_m: Option<f64>,
+}
+
 /// The viewer and its motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Navigation {
     camera: Camera,
     fly: Fly,
-    journey: Option<(GoTo, f64)>,
+    journey: Option<Journey>,
     held: Held,
 }
 
@@ -139,10 +153,61 @@ impl Navigation {
 
     /// Flies to a camera over ground `there_m` above the datum.
     pub fn fly_to(&mut self, planet: &Planet, here_m: f64, to: Camera, there_m: f64) {
+        self.depart(planet, here_m, to, there_m, None);
+    }
+
+    /// Flies to a camera whose altitude counts from the ground below it. That ground is `there_m`
+    /// above the datum as far as is known now; tell what becomes known on the way by [`Self::aim`].
+    pub fn fly_above(&mut self, planet: &Planet, here_m: f64, to: Camera, there_m: f64) {
+        self.depart(planet, here_m, to, there_m, Some(to.altitude_m));
+    }
+
+    fn depart(
+        &mut self,
+        planet: &Planet,
+        from_ground_m: f64,
+        to: Camera,
+        to_ground_m: f64,
+        above_m: Option<f64>,
+    ) {
         self.stop();
-        let to = to.above_ground(there_m);
-        let journey = GoTo::new(planet, self.camera, here_m, to, there_m);
-        self.journey = Some((journey, 0.0));
+        let from = self.camera;
+        self.journey = Some(Journey {
+            path: GoTo::new(planet, from, from_ground_m, from, from_ground_m),
+            time_s: 0.0,
+            from,
+            from_ground_m,
+            to,
+            to_ground_m: f64::NAN,
+            above_m,
+        });
+        self.aim(planet, to_ground_m);
+    }
+
+    /// Where the camera is flying to.
+    pub fn destination(&self) -> Option<MapPoint> {
+        self.journey.map(|journey| journey.to.map_point())
+    }
+
+    /// Says how high the ground below the end of the way is, metres above the datum.
+    pub fn aim(&mut self, planet: &Planet, there_m: f64) {
+        let Some(journey) = &mut self.journey else {
+            return;
+        };
+        if journey.to_ground_m == there_m {
+            return;
+        }
+        journey.to_ground_m = there_m;
+        if let Some(above_m) = journey.above_m {
+            journey.to.altitude_m = there_m + above_m;
+        }
+        journey.path = GoTo::new(
+            planet,
+            journey.from,
+            journey.from_ground_m,
+            journey.to.above_ground(there_m),
+            there_m,
+        );
     }
 
     /// Is at a camera at once.
@@ -154,10 +219,10 @@ impl Navigation {
     ///
     /// - `here_m`: height of the drawn ground below the eye.
     pub fn advance(&mut self, planet: &Planet, here_m: f64, input: &FlyInput, dt_s: f64) {
-        if let Some((journey, time_s)) = &mut self.journey {
-            *time_s += dt_s;
-            self.camera = journey.at(*time_s);
-            if journey.is_over(*time_s) {
+        if let Some(journey) = &mut self.journey {
+            journey.time_s += dt_s;
+            self.camera = journey.path.at(journey.time_s);
+            if journey.path.is_over(journey.time_s) {
                 self.journey = None;
             }
         }
@@ -248,6 +313,27 @@ mod tests {
             .distance(clicked.direction)
             * EARTH.radius_m;
         assert!(off_m < 1.0, "{off_m} m");
+    }
+
+    #[test]
+    fn a_journey_ends_above_the_ground_that_became_known_on_the_way() {
+        let mut navigation = start();
+        let to = Camera::from_degrees(-111.6, 40.2, 900.0, 0.0, -90.0, 60.0).unwrap();
+        // Nothing is known of the ground there, and then more and more.
+        navigation.fly_above(&EARTH, 700.0, to, 0.0);
+        for step in 0..200 {
+            if navigation.destination().is_some() {
+                navigation.aim(&EARTH, f64::from(step.min(20)) * 100.0);
+            }
+            navigation.advance(&EARTH, 700.0, &FlyInput::default(), 0.1);
+        }
+        assert!(!navigation.is_moving());
+        assert!((navigation.camera().altitude_m - 2900.0).abs() < 1e-6);
+        // An altitude above the datum stays what it is.
+        navigation.fly_to(&EARTH, 2000.0, to, 0.0);
+        navigation.aim(&EARTH, 500.0);
+        navigation.advance(&EARTH, 2000.0, &FlyInput::default(), 60.0);
+        assert!((navigation.camera().altitude_m - 900.0).abs() < 1e-6);
     }
 
     #[test]

@@ -151,6 +151,10 @@ impl Studio {
             FlyInput::default()
         };
         let held = input.right != 0.0 || input.forward != 0.0 || input.up != 0.0;
+        if let Some(there) = self.navigation.destination() {
+            let there_m = self.ground_m(there);
+            self.navigation.aim(&planet, there_m);
+        }
         self.navigation
             .advance(&planet, here_m, &input, f64::from(dt_s));
         self.navigation.stay_above(self.ground_below_m());

@@ -94,9 +94,9 @@ impl Studio {
         let away_m = (reach * radius_m / half.tan() * 1.4).max(200.0);
         let mut to = *self.camera();
         (to.lon_rad, to.lat_rad) = (middle.lon_rad, middle.lat_rad());
-        to.altitude_m = self.ground_m(middle) + away_m;
+        to.altitude_m = away_m;
         (to.heading_rad, to.pitch_rad) = (0.0, -core::f64::consts::FRAC_PI_2);
-        self.fly_to(to);
+        self.fly_above(to);
     }
 
     /// Carries a command out that is about the selected element; `false`: none is selected.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use relievo_engine::SourceState;
-use relievo_engine::planet::MapPoint;
+use relievo_engine::planet::Camera;
 use relievo_engine::project::{
     Adjust, Blend, Edit, Layer, LayerKind, SourceRole, Tint, TintInterpolation, TintLayer,
     TintStop, layer_from_source,
@@ -137,8 +137,7 @@ impl Studio {
         if let Some(SourceState::Features(open)) = &state {
             let planet = engine.project().planet.body.figure();
             if let Some(seen) = Coverage::of_features(&open.features) {
-                let to = seen.camera(&planet);
-                self.fly_to(to);
+                self.fly_above(seen.camera(&planet));
             }
             return;
         }
@@ -154,15 +153,21 @@ impl Studio {
         let Some((crs, place)) = place.and_then(|g| Some((Crs::parse(&g.crs).ok()?, g))) else {
             return;
         };
-        let to = Coverage::of(&crs, &place.plane_from_pixel, file.info()).camera(&planet);
-        self.fly_to(to);
+        let seen = Coverage::of(&crs, &place.plane_from_pixel, file.info());
+        self.fly_above(seen.camera(&planet));
     }
 
-    pub(super) fn fly_to(&mut self, to: relievo_engine::planet::Camera) {
+    pub(super) fn fly_to(&mut self, to: Camera) {
         let planet = self.document.project().planet.body.figure();
-        let below = MapPoint::new(to.lon_rad, core::f64::consts::FRAC_PI_2 - to.lat_rad);
-        let (here_m, there_m) = (self.ground_below_m(), self.ground_m(below));
+        let (here_m, there_m) = (self.ground_below_m(), self.ground_m(to.map_point()));
         self.navigation.fly_to(&planet, here_m, to, there_m);
+    }
+
+    /// Flies to a camera whose altitude counts from the ground, which may not be known there yet.
+    pub(super) fn fly_above(&mut self, to: Camera) {
+        let planet = self.document.project().planet.body.figure();
+        let (here_m, there_m) = (self.ground_below_m(), self.ground_m(to.map_point()));
+        self.navigation.fly_above(&planet, here_m, to, there_m);
     }
 }
 
