@@ -2,7 +2,8 @@
 
 use eframe::egui::{self, TextEdit, Ui, WidgetInfo};
 use relievo_engine::project::{
-    Casing, Edit, Extra, Hatch, Label, LayerId, PointSymbol, Symbol, VectorStyle, Width, WidthUnit,
+    Casing, Edit, Extra, Extrude, Hatch, Label, LayerId, PointSymbol, Symbol, VectorStyle, Width,
+    WidthUnit,
 };
 
 use crate::window::action::Action;
@@ -45,6 +46,20 @@ const SIZE: Number =
     Number::new("Symbol size", "Diameter of symbols", 1.0..=128.0, 6.0).unit(" px", 1);
 const LETTERS: Number =
     Number::new("Letters", "Height of letters", 4.0..=200.0, 12.0).unit(" px", 1);
+
+const BODY_M: Number = Number::new(
+    "Height",
+    "Height of bodies above the ground",
+    0.0..=1000.0,
+    10.0,
+)
+.unit(" m", 1);
+
+const STANDINGS: [(Standing, &str); 3] = [
+    (Standing::Flat, "lie on the ground"),
+    (Standing::AllAlike, "stand, all alike"),
+    (Standing::ByProperty, "stand, by a property"),
+];
 
 const UNITS: [(WidthUnit, &str); 2] = [
     (WidthUnit::Pixels, "pixels on the screen"),
@@ -122,6 +137,7 @@ pub(crate) fn show(ui: &mut Ui, id: &LayerId, style: &VectorStyle, actions: &mut
     }
     hatch(ui, style, &set, actions);
     symbol(ui, style, &set, actions);
+    bodies(ui, style, &set, actions);
     label(ui, style, &set, actions);
 }
 
@@ -202,12 +218,11 @@ fn symbol(ui: &mut Ui, style: &VectorStyle, set: &Set<'_>, actions: &mut Vec<Act
     }
 }
 
-/// The property whose values stand as texts at features.
-fn label(ui: &mut Ui, style: &VectorStyle, set: &Set<'_>, actions: &mut Vec<Action>) {
-    let shown = style.label.as_ref().map_or("", |l| l.property.as_str());
-    ui.horizontal(|ui| {
-        let name = controls::name(ui, "Texts from", !shown.is_empty());
-        let key = ui.scope_id().with("label property");
+/// The name of a property as text; what it becomes, once somebody is through with it.
+fn property(ui: &mut Ui, name: &str, help: &str, shown: &str) -> Option<String> {
+    let row = ui.horizontal(|ui| {
+        let label = controls::name(ui, name, !shown.is_empty());
+        let key = ui.scope_id().with(name);
         let mut text = ui
             .data(|d| d.get_temp::<String>(key))
             .unwrap_or_else(|| shown.to_owned());
@@ -215,33 +230,87 @@ fn label(ui: &mut Ui, style: &VectorStyle, set: &Set<'_>, actions: &mut Vec<Acti
             .desired_width(f32::INFINITY)
             .char_limit(250)
             .hint_text("a property, such as name");
-        let field = ui.add(field).labelled_by(name.id);
-        let field = field
-            .on_hover_text("The property whose values stand as texts at features; empty: none");
+        let field = ui.add(field).labelled_by(label.id).on_hover_text(help);
         if field.has_focus() {
             ui.data_mut(|d| d.insert_temp(key, text.clone()));
         } else {
             ui.data_mut(|d| d.remove::<String>(key));
         }
-        if field.lost_focus()
-            && text.trim() != shown
-            && !ui.input(|i| i.key_pressed(egui::Key::Escape))
-        {
-            let property = text.trim().to_owned();
-            actions.push(Action::Edit(set(&|s| {
-                s.label = (!property.is_empty()).then(|| Label {
-                    property: property.clone(),
-                    ..s.label.clone().unwrap_or(Label {
-                        property: String::new(),
-                        size_px: 12.0,
-                        colour: [20; 3],
-                        halo: Some([255; 3]),
-                        extra: Extra::new(),
-                    })
-                });
-            })));
-        }
+        let kept = field.lost_focus() && !ui.input(|i| i.key_pressed(egui::Key::Escape));
+        let text = text.trim();
+        (kept && text != shown).then(|| text.to_owned())
     });
+    row.inner
+}
+
+/// How areas stand.
+#[derive(Clone, Copy, PartialEq)]
+enum Standing {
+    Flat,
+    AllAlike,
+    ByProperty,
+}
+
+/// Areas as bodies on the ground.
+fn bodies(ui: &mut Ui, style: &VectorStyle, set: &Set<'_>, actions: &mut Vec<Action>) {
+    let standing = match &style.extrude {
+        None => Standing::Flat,
+        Some(Extrude::HeightM(_)) => Standing::AllAlike,
+        Some(Extrude::Property(_)) => Standing::ByProperty,
+    };
+    let hint = "Whether areas lie on the ground or stand on it as bodies, such as buildings";
+    controls::choice(
+        ui,
+        "Areas",
+        hint,
+        &STANDINGS,
+        standing,
+        actions,
+        |standing| {
+            set(&|s| {
+                s.extrude = match standing {
+                    Standing::Flat => None,
+                    Standing::AllAlike => Some(Extrude::HeightM(10.0)),
+                    Standing::ByProperty => Some(Extrude::Property("height".to_owned())),
+                };
+            })
+        },
+    );
+    match &style.extrude {
+        None => {}
+        Some(Extrude::HeightM(height_m)) => {
+            controls::number(ui, &BODY_M, *height_m, actions, |v| {
+                set(&|s| s.extrude = Some(Extrude::HeightM(v)))
+            });
+        }
+        Some(Extrude::Property(name)) => {
+            let help = "The property that holds each area's height in metres";
+            let new = property(ui, "Height from", help, name).filter(|name| !name.is_empty());
+            actions.extend(new.map(|name| {
+                Action::Edit(set(&|s| s.extrude = Some(Extrude::Property(name.clone()))))
+            }));
+        }
+    }
+}
+
+/// The property whose values stand as texts at features.
+fn label(ui: &mut Ui, style: &VectorStyle, set: &Set<'_>, actions: &mut Vec<Action>) {
+    let shown = style.label.as_ref().map_or("", |l| l.property.as_str());
+    let help = "The property whose values stand as texts at features; empty: none";
+    if let Some(name) = property(ui, "Texts from", help, shown) {
+        actions.push(Action::Edit(set(&|s| {
+            s.label = (!name.is_empty()).then(|| Label {
+                property: name.clone(),
+                ..s.label.clone().unwrap_or(Label {
+                    property: String::new(),
+                    size_px: 12.0,
+                    colour: [20; 3],
+                    halo: Some([255; 3]),
+                    extra: Extra::new(),
+                })
+            });
+        })));
+    }
     if let Some(label) = &style.label {
         controls::number(ui, &LETTERS, label.size_px, actions, |v| {
             set(&|s| {
