@@ -87,7 +87,8 @@ impl Coverage {
         }
     }
 
-    /// A camera above the middle that sees it all, or half of the planet.
+    /// A camera above the middle that sees it all, or half of the planet. Its altitude counts from the
+    /// ground there.
     pub(crate) fn camera(&self, planet: &Planet) -> Camera {
         let lon_deg = f64::midpoint(self.west, self.east);
         let lat_deg = f64::midpoint(self.south, self.north).clamp(-90.0, 90.0);

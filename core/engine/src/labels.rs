@@ -77,7 +77,9 @@ impl Engine {
         let mut used = Vec::new();
         let mut of_layers: Vec<(&LayerId, &LabelStyle, Found)> = Vec::new();
         let frame = Picture::new(self, view);
-        for layer in self.project().layers.iter().rev() {
+        let project = self.project();
+        let layers = project.layers_in(project.scenario.as_ref());
+        for layer in layers.iter().rev() {
             let LayerKind::Vector(vector) = &layer.kind else {
                 continue;
             };

@@ -6,7 +6,7 @@ mod planning;
 use std::path::PathBuf;
 
 use relievo_engine::Engine;
-use relievo_engine::project::{Layer, LayerId, LayerKind, Project};
+use relievo_engine::project::{Extrude, Layer, LayerId, LayerKind, Project};
 use relievo_engine::raster::RasterInfo;
 use relievo_engine::raster::crs::Crs;
 use relievo_engine::{OpenFeatures, SourceState};
@@ -211,8 +211,13 @@ fn vector_trouble(layer: &Layer, open: &OpenFeatures) -> Option<String> {
     let style = &vector.style;
     let by = style.by.as_ref().map(|by| &by.property);
     let label = style.label.as_ref().map(|label| &label.property);
+    let height = match &style.extrude {
+        Some(Extrude::Property(name)) => Some(name),
+        Some(Extrude::HeightM(_)) | None => None,
+    };
     let known = |name: &&String| open.features.columns().iter().any(|c| **c == ***name);
-    let missing = by.into_iter().chain(label).find(|name| !known(name))?;
+    let mut asked = by.into_iter().chain(label).chain(height);
+    let missing = asked.find(|name| !known(name))?;
     let columns: Vec<&str> = open.features.columns().iter().map(|c| &**c).collect();
     Some(format!(
         "expected a property of the features, found {missing:?}; there are {}",

@@ -14,27 +14,22 @@ use crate::view::View;
 impl Engine {
     /// Bodies of visible vector layers near the view; asks for those that are missing.
     pub(super) fn bodies(&mut self, view: &View) -> Vec<Arc<MassMesh>> {
-        let mut layers = Vec::new();
-        for layer in &self.project.layers {
-            let LayerKind::Vector(vector) = &layer.kind else {
-                continue;
-            };
-            let (Some(extrude), true) = (&vector.style.extrude, layer.visible) else {
-                continue;
-            };
-            if layer.opacity <= 0.0 {
-                continue;
-            }
-            let state = self.sources.state(&layer.kind, &self.folder);
-            if let Some(SourceState::Features(open)) = state {
-                layers.push(Extruded {
-                    layer: layer.id.clone(),
-                    features: Arc::clone(&open.features),
-                    style: Arc::new(vectors::style(&vector.style)),
-                    extrude: extrude.clone(),
-                });
-            }
+        let settings = &self.project.planet;
+        let rows = f64::from(view.viewport_px[1].max(1));
+        let around = Around {
+            scene: Arc::clone(&self.shown),
+            planet: settings.body.figure(),
+            exaggeration: settings.vertical_exaggeration,
+            place: self
+                .plan
+                .as_ref()
+                .map_or_else(|| view.camera.map_point(), |p| p.focus),
+            pixel_rad: 2.0 * libm::tan(0.5 * view.camera.fov_y_rad) / rows,
+        };
+        if let Some(drawn) = self.bodies.as_ref().and_then(|b| b.as_before(&around)) {
+            return drawn;
         }
+        let layers = self.extruded();
         if layers.is_empty() {
             self.bodies = None;
             return Vec::new();
@@ -46,19 +41,34 @@ impl Engine {
                 Err(error) => tracing::warn!("bodies are not drawn: {error}"),
             }
         }
-        let settings = &self.project.planet;
-        let rows = f64::from(view.viewport_px[1].max(1));
-        let around = Around {
-            scene: &self.shown,
-            planet: settings.body.figure(),
-            exaggeration: settings.vertical_exaggeration,
-            place: self
-                .plan
-                .as_ref()
-                .map_or_else(|| view.camera.map_point(), |p| p.focus),
-            pixel_rad: 2.0 * libm::tan(0.5 * view.camera.fov_y_rad) / rows,
-        };
         let bodies = self.bodies.as_mut();
-        bodies.map_or_else(Vec::new, |bodies| bodies.follow(&layers, &around))
+        bodies.map_or_else(Vec::new, |bodies| bodies.follow(&layers, around))
+    }
+
+    /// The layers of the shown scenario whose areas stand as bodies.
+    fn extruded(&self) -> Vec<Extruded> {
+        let project = &self.project;
+        let mut found = Vec::new();
+        for layer in &*project.layers_in(project.scenario.as_ref()) {
+            let LayerKind::Vector(vector) = &layer.kind else {
+                continue;
+            };
+            let Some(extrude) = &vector.style.extrude else {
+                continue;
+            };
+            if !layer.visible || layer.opacity <= 0.0 {
+                continue;
+            }
+            let state = self.sources.state(&layer.kind, &self.folder);
+            if let Some(SourceState::Features(open)) = state {
+                found.push(Extruded {
+                    layer: layer.id.clone(),
+                    features: Arc::clone(&open.features),
+                    style: Arc::new(vectors::style(&vector.style)),
+                    extrude: extrude.clone(),
+                });
+            }
+        }
+        found
     }
 }

@@ -43,14 +43,25 @@ pub(crate) struct Extruded {
 }
 
 /// Where bodies are wanted, and on what they stand.
-pub(crate) struct Around<'a> {
-    pub(crate) scene: &'a Arc<Scene>,
+pub(crate) struct Around {
+    pub(crate) scene: Arc<Scene>,
     pub(crate) planet: Planet,
     pub(crate) exaggeration: f64,
     /// Where the eye looks from.
     pub(crate) place: MapPoint,
     /// Angle of a pixel, radians.
     pub(crate) pixel_rad: f64,
+}
+
+impl Around {
+    /// Whether the same bodies are wanted: a scene is one revision, with all its layers.
+    fn is_like(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.scene, &other.scene)
+            && self.planet == other.planet
+            && self.exaggeration == other.exaggeration
+            && self.place == other.place
+            && self.pixel_rad == other.pixel_rad
+    }
 }
 
 /// A mesh to make.
@@ -97,6 +108,8 @@ pub(crate) struct Bodies {
     made: HashMap<u64, Option<Arc<MassMesh>>>,
     shown: HashMap<(LayerId, TileKey), Shown>,
     pending: usize,
+    /// What was asked for last, and what was drawn.
+    latest: Option<(Around, Vec<Arc<MassMesh>>)>,
 }
 
 impl Drop for Bodies {
@@ -146,6 +159,7 @@ impl Bodies {
             made: HashMap::new(),
             shown: HashMap::new(),
             pending: 0,
+            latest: None,
         })
     }
 
@@ -175,8 +189,14 @@ impl Bodies {
         }
     }
 
+    /// What was drawn last, if that is still right: a view that rests costs nothing.
+    pub(crate) fn as_before(&self, around: &Around) -> Option<Vec<Arc<MassMesh>>> {
+        let (latest, drawn) = self.latest.as_ref()?;
+        (self.pending == 0 && latest.is_like(around)).then(|| drawn.clone())
+    }
+
     /// Takes what is finished, asks for what is missing, and gives what is to be drawn.
-    pub(crate) fn follow(&mut self, layers: &[Extruded], around: &Around) -> Vec<Arc<MassMesh>> {
+    pub(crate) fn follow(&mut self, layers: &[Extruded], around: Around) -> Vec<Arc<MassMesh>> {
         while let Ok(done) = self.done.try_recv() {
             self.take(done);
         }
@@ -192,19 +212,20 @@ impl Bodies {
                 self.pending += 1;
                 continue;
             };
+            let bodies = name_of_bodies(layer, &around);
             let most = MOST_CELLS.saturating_sub(wanted.len());
             for cell in cells.near(around.place, reach_rad, most) {
                 let Some(members) = cells.members(cell) else {
                     continue;
                 };
-                let name = name_of(layer, cell, around);
+                let name = name_of(&bodies, cell, &around);
                 let key = (layer.layer.clone(), cell);
                 if let Some(mesh) = self.made.remove(&name) {
                     self.shown.insert(key.clone(), Shown { name, mesh });
                 }
                 if self.shown.get(&key).is_none_or(|s| s.name != name) {
                     self.pending += 1;
-                    self.ask(name, cell, members, layer, around);
+                    self.ask(name, cell, members, layer, &around);
                 }
                 drawn.extend(self.shown.get(&key).and_then(|s| s.mesh.clone()));
                 wanted.insert(key);
@@ -214,6 +235,7 @@ impl Bodies {
         if self.pending == 0 {
             self.made.clear();
         }
+        self.latest = Some((around, drawn.clone()));
         drawn
     }
 
@@ -251,7 +273,7 @@ impl Bodies {
             features: Arc::clone(&layer.features),
             style: Arc::clone(&layer.style),
             extrude: layer.extrude.clone(),
-            scene: Arc::clone(around.scene),
+            scene: Arc::clone(&around.scene),
             planet: around.planet,
             exaggeration: around.exaggeration,
         };
@@ -269,14 +291,22 @@ fn address(features: &Arc<Features>) -> usize {
     Arc::as_ptr(features).addr()
 }
 
-/// Names a cell's mesh by all that decides it.
-fn name_of(layer: &Extruded, cell: TileKey, around: &Around) -> u64 {
-    let ground = around.scene.name(around.scene.roots.height, cell);
+/// Names all that decides a layer's meshes beside the ground.
+fn name_of_bodies(layer: &Extruded, around: &Around) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
     hasher.update(&layer.features.fingerprint());
-    hasher.update(format!("{cell:?} {ground:?} {:?} {:?}", layer.extrude, layer.style).as_bytes());
+    hasher.update(format!("{:?} {:?}", layer.extrude, layer.style).as_bytes());
     hasher.update(&around.exaggeration.to_le_bytes());
     hasher.update(&around.planet.radius_m.to_le_bytes());
+    hasher.finalize()
+}
+
+/// Names a cell's mesh by all that decides it.
+fn name_of(bodies: &blake3::Hash, cell: TileKey, around: &Around) -> u64 {
+    let ground = around.scene.name(around.scene.roots.height, cell);
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(bodies.as_bytes());
+    hasher.update(format!("{cell:?} {ground:?}").as_bytes());
     let [a, b, c, d, e, f, g, h, ..] = *hasher.finalize().as_bytes();
     u64::from_le_bytes([a, b, c, d, e, f, g, h])
 }
