@@ -10,11 +10,14 @@ use crate::packages::Display;
 use crate::{bench, setup, summary};
 
 /// Crates of `core/`, which are tested first and alone, without any GPU or window crate.
-const CORE: [&str; 6] = [
+const CORE: [&str; 9] = [
     "relievo-planet",
     "relievo-raster",
+    "relievo-earthwork",
+    "relievo-vector",
     "relievo-graph",
     "relievo-tiles",
+    "relievo-analysis",
     "relievo-project",
     "relievo-engine",
 ];
@@ -270,6 +273,20 @@ mod tests {
             arguments(Display::None, &["mars.relievo"]),
             ["render", "mars.relievo", "-o", "earth.png"]
         );
+    }
+
+    #[test]
+    fn every_folder_of_core_is_tested_alone() {
+        let core = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core");
+        let folders = std::fs::read_dir(core).expect("core/ lies beside xtask/");
+        let mut named: Vec<String> = folders
+            .flatten()
+            .map(|folder| format!("relievo-{}", folder.file_name().to_string_lossy()))
+            .collect();
+        let mut listed = CORE.to_vec();
+        named.sort();
+        listed.sort_unstable();
+        assert_eq!(named, listed);
     }
 
     #[test]
