@@ -40,6 +40,16 @@ fn hills(folder: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
+/// A basin of 20 m with upright walls in level ground.
+fn basin(folder: &Path) -> String {
+    let path = folder.join("basin.relievo");
+    let project = r#"{"version": 1, "elements": [{"id": "basin", "kind": "polygon",
+        "outline": [[10, 5], [10.01, 5], [10.01, 5.01], [10, 5.01]],
+        "surface": {"type": "platform", "height_m": -20}, "side": {"wall": true}}]}"#;
+    std::fs::write(&path, project).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
 fn number(value: &Value) -> f64 {
     value
         .as_f64()
@@ -135,26 +145,38 @@ fn sight_and_water_are_summed_up_and_drawn() {
     assert!((area / (core::f64::consts::PI * 25e6) - 1.0).abs() < 0.05);
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
 
-    let ground = number(&json(&good(&["sample", &project, "--at", "10,5"]))["height_m"]);
-    let (level, dry) = (format!("{}", ground + 0.5), format!("{}", ground - 100.0));
+    let basin = basin(folder.path());
     let shore = folder.path().join("shore.geojson");
-    let wet = relievo(&[
+    let wet = json(&good(&[
         "flood",
-        &project,
+        &basin,
         "--at",
-        "10,5",
-        "--level",
-        &level,
+        "10.005,5.005",
+        "--level=-15",
         "-o",
         shore.to_str().unwrap(),
-    ]);
-    // Unless the hills let it run over too far, there is a shore.
-    if wet.0 == 0 {
-        assert!(number(&json(&wet.1)["volume_m3"]) > 0.0);
-        assert!(json(&std::fs::read_to_string(&shore).unwrap())["features"].is_array());
-    } else {
-        assert!(wet.2.contains("expected water of at most"), "{}", wet.2);
-    }
+    ]));
+    // Walls around 0.01 by 0.01 degrees, five metres of water: a degree of latitude is 110 579 m here,
+    // one of longitude 110 897 m (WGS 84).
+    let area_m2 = 1105.79 * 1108.97;
+    assert!(
+        (number(&wet["area_m2"]) / area_m2 - 1.0).abs() < 0.01,
+        "{wet}"
+    );
+    assert!(
+        (number(&wet["volume_m3"]) / (5.0 * area_m2) - 1.0).abs() < 0.01,
+        "{wet}"
+    );
+    assert!((number(&wet["deepest_m"]) - 5.0).abs() < 1e-3, "{wet}");
+    let drawn = json(&std::fs::read_to_string(&shore).unwrap());
+    assert_eq!(
+        drawn["features"].as_array().map(Vec::len),
+        Some(1),
+        "{drawn}"
+    );
+
+    let ground = number(&json(&good(&["sample", &project, "--at", "10,5"]))["height_m"]);
+    let dry = format!("{}", ground - 100.0);
     let (code, _, line) = relievo(&["flood", &project, "--at", "10,5", "--level", &dry]);
     assert!(
         code == 2 && line.contains("below the water level"),
