@@ -9,7 +9,8 @@ use std::sync::Arc;
 use glam::{DVec2, I64Vec2};
 use relievo_planet::{Grid, Lattice, MapPoint, SampleRect};
 
-use crate::ground::{AnalysisError, Ground, MapBox, Watch, go_on};
+use crate::ground::{AnalysisError, Ground, Watch, go_on};
+use crate::map_box::MapBox;
 
 pub(crate) use join::Chain;
 pub(crate) use march::Segments;

@@ -8,7 +8,8 @@ use glam::{DVec2, I64Vec2};
 use relievo_planet::{LevelKey, MapPoint, Planet};
 
 use crate::contours::{ContourLine, Segments, placed};
-use crate::ground::{AnalysisError, Ground, MapBox, Watch, go_on, level_at};
+use crate::ground::{AnalysisError, Ground, Watch, go_on};
+use crate::map_box::{MapBox, level_at};
 use crate::triangle::positive_part_of_cell;
 
 use basin::Basin;

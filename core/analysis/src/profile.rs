@@ -3,7 +3,8 @@
 use relievo_planet::{LevelKey, MapPoint};
 
 use crate::geodesic::Measure;
-use crate::ground::{AnalysisError, Ground, MapBox, Watch, go_on};
+use crate::ground::{AnalysisError, Ground, Watch, go_on};
+use crate::map_box::MapBox;
 use crate::sampler::Sampler;
 
 /// Pieces in which a line looks for the fineness of its data.

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::I64Vec2;
 use relievo_planet::{Grid, Lattice, LevelKey, MapPoint, SampleRect};
 
-use crate::ground::{AnalysisError, Ground, level_at};
+use crate::ground::{AnalysisError, Ground};
+use crate::map_box::level_at;
 
 /// Blocks that are kept: neighbours of a line of any direction.
 const KEPT: usize = 48;

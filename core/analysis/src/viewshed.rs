@@ -8,7 +8,8 @@ use glam::DVec2;
 use relievo_planet::{Grid, LevelKey, MapPoint, SampleRect};
 
 use crate::frame::LocalFrame;
-use crate::ground::{AnalysisError, Ground, MapBox, Watch, go_on};
+use crate::ground::{AnalysisError, Ground, Watch, go_on};
+use crate::map_box::MapBox;
 use crate::parallel;
 
 use sight_lines::Terrain;

@@ -14,8 +14,8 @@ use relievo_raster::Cancel;
 
 pub use relievo_analysis::{
     Amount, AnalysisError, Between, Change, ContourLine, ContourSettings, Flood, FloodSettings,
-    Ground, LocalFrame, MapBox, Measure, Profile, ProfilePoint, ProfileSettings, Region, RingArea,
-    Sight, Viewshed, ViewshedSettings, VolumeSettings, Volumes, Watch,
+    Ground, LocalFrame, MapBox, Measure, Profile, ProfilePoint, ProfileSettings, RingArea, Sight,
+    Viewshed, ViewshedSettings, VolumeSettings, Volumes, Watch,
 };
 
 pub use self::compare::{Comparison, ComparisonReport, ElementChange, Step, Version};

@@ -1,14 +1,14 @@
 //! A square of cells: evaluated once, summed at its spacing and at twice as much.
 
+use core::f64::consts::{FRAC_PI_2, SQRT_2};
 use std::sync::Arc;
 
 use glam::DVec2;
-use relievo_planet::{Grid, SampleRect};
+use relievo_planet::{Grid, GridCrs, Lattice, Planet, SampleRect};
 
-use crate::frame::LocalFrame;
+use super::Change;
 use crate::ground::AnalysisError;
 use crate::triangle::positive_part_of_cell;
-use crate::volume::{Change, Region};
 
 /// Cells along a side of a patch; even.
 pub(crate) const CELLS: usize = 32;
@@ -19,47 +19,70 @@ const NODES: usize = CELLS + 1;
 /// Where a patch lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
-    /// North-western node in metres of the frame.
-    corner_m: DVec2,
-    /// Metres between nodes.
-    pub(crate) spacing_m: f64,
+    /// Longitude and colatitude of the north-western node in radians.
+    corner: DVec2,
+    /// Radians of longitude and colatitude between nodes.
+    step: DVec2,
+    /// Metres on the ground between nodes along both, where they are widest.
+    pub(crate) spacing_m: DVec2,
 }
 
 impl Place {
     /// Samples of a patch.
     pub(crate) const SAMPLES: u64 = (NODES * NODES) as u64;
 
-    pub(crate) fn new(corner_m: DVec2, spacing_m: f64) -> Self {
+    pub(crate) fn new(planet: &Planet, corner: DVec2, step: DVec2) -> Self {
+        let south = corner.y + step.y * CELLS as f64;
+        let widest = FRAC_PI_2.clamp(corner.y, south);
         Self {
-            corner_m,
-            spacing_m,
+            corner,
+            step,
+            spacing_m: planet.metres_per_radian(widest) * step,
         }
     }
 
-    fn side_m(&self) -> f64 {
-        self.spacing_m * CELLS as f64
-    }
-
-    pub(crate) fn grid(&self, frame: &LocalFrame) -> Grid {
-        let half = 0.5 * self.spacing_m;
-        let lattice = frame.lattice(self.corner_m + DVec2::new(-half, half), self.spacing_m);
+    pub(crate) fn grid(&self) -> Grid {
+        let lattice = Lattice {
+            crs: GridCrs::Map,
+            // Samples are areas around nodes.
+            origin: self.corner - 0.5 * self.step,
+            step: self.step,
+            columns_around: None,
+        };
         let nodes = NODES as i64;
         Grid::new(Arc::new(lattice), SampleRect::at(0, 0, nodes, nodes))
     }
 
-    /// The four patches of half the spacing that cover the same square.
-    pub(crate) fn quarters(&self) -> [Self; 4] {
-        let half_m = 0.5 * self.side_m();
-        [(0.0, 0.0), (half_m, 0.0), (0.0, -half_m), (half_m, -half_m)]
-            .map(|(x, y)| Self::new(self.corner_m + DVec2::new(x, y), 0.5 * self.spacing_m))
+    /// Halves of the longer side, or quarters where both are about as long.
+    pub(crate) fn parts(&self, planet: &Planet) -> Vec<Self> {
+        let DVec2 { x, y } = self.spacing_m;
+        let (columns, rows) = (
+            if x * SQRT_2 > y { 2 } else { 1 },
+            if y * SQRT_2 > x { 2 } else { 1 },
+        );
+        let step = self.step / DVec2::new(f64::from(columns), f64::from(rows));
+        let corners = (0..rows).flat_map(|row| {
+            (0..columns).map(move |column| DVec2::new(f64::from(column), f64::from(row)))
+        });
+        corners
+            .map(|at| Self::new(planet, self.corner + at * step * CELLS as f64, step))
+            .collect()
     }
 
-    pub(crate) fn overlaps(&self, min_m: DVec2, max_m: DVec2) -> bool {
-        let south_east = self.corner_m + DVec2::new(self.side_m(), -self.side_m());
-        self.corner_m.x < max_m.x
-            && south_east.x > min_m.x
-            && south_east.y < max_m.y
-            && self.corner_m.y > min_m.y
+    /// The cells of a row of `stride` nodes: square metres of one, and metres along its sides half way.
+    fn cell(&self, planet: &Planet, row: usize, stride: usize) -> (f64, DVec2) {
+        let side = self.step * stride as f64;
+        let metres = |rows: f64| planet.metres_per_radian(self.corner.y + rows * self.step.y);
+        let first = row as f64;
+        let (north, middle, south) = (
+            metres(first),
+            metres(first + 0.5 * stride as f64),
+            metres(first + stride as f64),
+        );
+        // Simpson's rule: 10⁻¹² of a cell of 10 km.
+        let area = |m: DVec2| m.element_product();
+        let mean = (area(north) + 4.0 * area(middle) + area(south)) / 6.0;
+        (mean * side.element_product(), middle * side)
     }
 }
 
@@ -116,11 +139,10 @@ pub(crate) struct Patch {
 impl Patch {
     pub(crate) fn evaluate(
         change: &dyn Change,
-        region: &Region,
         place: Place,
         differs_m: f64,
     ) -> Result<Self, AnalysisError> {
-        let grid = place.grid(&region.frame);
+        let grid = place.grid();
         let (before, after) = change.heights(&grid)?;
         let difference: Vec<f64> = before
             .iter()
@@ -131,7 +153,7 @@ impl Patch {
             })
             .collect();
         let surface = Surface {
-            region,
+            planet: change.planet(),
             place,
             difference: &difference,
             after: &after,
@@ -156,7 +178,7 @@ impl Patch {
 }
 
 struct Surface<'a> {
-    region: &'a Region,
+    planet: Planet,
     place: Place,
     /// After minus before, 0 where either is missing.
     difference: &'a [f64],
@@ -167,9 +189,9 @@ struct Surface<'a> {
 impl Surface<'_> {
     /// Sums over cells of `stride` nodes, and what cells that have changed in part leave open.
     fn sums(&self, stride: usize) -> (Sums, Sums) {
-        let side_m = self.place.spacing_m * stride as f64;
         let mut sums = (Sums::default(), Sums::default());
         for row in (0..CELLS).step_by(stride) {
+            let (area_m2, side_m) = self.place.cell(&self.planet, row, stride);
             for column in (0..CELLS).step_by(stride) {
                 let first = row * NODES + column;
                 let south = first + stride * NODES;
@@ -178,36 +200,24 @@ impl Surface<'_> {
                 if d == [0.0; 4] {
                     continue;
                 }
-                let steps = DVec2::new(column as f64, -(row as f64)) * self.place.spacing_m;
-                let centre_m = self.place.corner_m + steps + 0.5 * DVec2::new(side_m, -side_m);
-                let share = self.inside(centre_m, side_m);
-                if share > 0.0 {
-                    let area_m2 = side_m * side_m * share * self.region.frame.area_scale(centre_m);
-                    let (cell, open) = self.cell(d, nodes, side_m, area_m2);
-                    sums.0.add(&cell);
-                    sums.1.add(&open);
-                }
+                let (cell, open) = self.cell(d, nodes, side_m, area_m2);
+                sums.0.add(&cell);
+                sums.1.add(&open);
             }
         }
         sums
     }
 
-    /// Share of a cell that lies in the region, whose sides are parallel to it.
-    fn inside(&self, centre_m: DVec2, side_m: f64) -> f64 {
-        let (min, max) = (centre_m - 0.5 * side_m, centre_m + 0.5 * side_m);
-        let both = max.min(self.region.max_m) - min.max(self.region.min_m);
-        (both.max(DVec2::ZERO) / side_m)
-            .min(DVec2::ONE)
-            .element_product()
-    }
-
     /// What a cell comes to, and how much of it is open where it has changed in part: the edge of what
     /// changes, a kink or a wall, may run anywhere through it.
-    fn cell(&self, d: [f64; 4], nodes: [usize; 4], side_m: f64, area_m2: f64) -> (Sums, Sums) {
+    fn cell(&self, d: [f64; 4], nodes: [usize; 4], side_m: DVec2, area_m2: f64) -> (Sums, Sums) {
         let (_, fill_m) = positive_part_of_cell(d);
         let (_, cut_m) = positive_part_of_cell(d.map(|d| -d));
         let changed = d.iter().filter(|d| d.abs() > self.differs_m).count();
-        let (stretch, slope_rad) = self.steepness(nodes, side_m);
+        let (stretch, slope_rad) = match changed {
+            0 => (1.0, 0.0),
+            _ => self.steepness(nodes, side_m),
+        };
         let changed_m2 = changed as f64 / 4.0 * area_m2;
         let cell = Sums {
             cut_m3: cut_m * area_m2,
@@ -235,7 +245,7 @@ impl Surface<'_> {
 
     /// Area of the surface after per area of plan, and its mean angle against the horizontal, in a cell;
     /// level where a height is missing.
-    fn steepness(&self, nodes: [usize; 4], side_m: f64) -> (f64, f64) {
+    fn steepness(&self, nodes: [usize; 4], side_m: DVec2) -> (f64, f64) {
         let h = nodes.map(|i| self.after[i]);
         if h.iter().any(|h| !h.is_finite()) {
             return (1.0, 0.0);
@@ -245,8 +255,13 @@ impl Surface<'_> {
         let (mut stretch, mut slope_rad) = (0.0, 0.0);
         for i in 0..4 {
             let (a, b) = (h[i], h[(i + 1) % 4]);
+            // Clockwise from the north side.
+            let (side_m, half_m) = match i % 2 {
+                0 => (side_m.x, 0.5 * side_m.y),
+                _ => (side_m.y, 0.5 * side_m.x),
+            };
             let along = (b - a) / side_m;
-            let across = (f64::midpoint(a, b) - centre) / (0.5 * side_m);
+            let across = (f64::midpoint(a, b) - centre) / half_m;
             let steep = libm::hypot(along, across);
             stretch += 0.25 * (1.0 + steep * steep).sqrt();
             slope_rad += 0.25 * libm::atan(steep);
@@ -254,35 +269,34 @@ impl Surface<'_> {
         (stretch, slope_rad)
     }
 
-    /// Deepest cut and highest fill at nodes inside the region, and what they may reach half a diagonal
+    /// Deepest cut and highest fill at nodes, and what they may reach half a diagonal
     /// beside a node, by the largest change of the difference between its neighbours.
     fn highest(&self) -> ([f64; 2], [f64; 2]) {
         let (mut highest, mut bound) = ([0.0_f64; 2], [0.0_f64; 2]);
-        let slack_m = 1e-9 * self.place.side_m();
         for row in 0..NODES {
             for column in 0..NODES {
-                let steps = DVec2::new(column as f64, -(row as f64)) * self.place.spacing_m;
-                let at_m = self.place.corner_m + steps;
-                let inside = at_m.cmpge(self.region.min_m - slack_m).all()
-                    && at_m.cmple(self.region.max_m + slack_m).all();
                 let d = self.difference[row * NODES + column];
-                if !inside || d == 0.0 {
+                if d == 0.0 {
                     continue;
                 }
                 let side = usize::from(d > 0.0);
                 highest[side] = highest[side].max(d.abs());
-                let neighbours = [
-                    (row > 0).then(|| (row - 1) * NODES + column),
-                    (row < CELLS).then(|| (row + 1) * NODES + column),
-                    (column > 0).then(|| row * NODES + column - 1),
-                    (column < CELLS).then(|| row * NODES + column + 1),
-                ];
-                // What falls off towards a neighbour may have risen before it fell.
-                let rises = neighbours
-                    .into_iter()
-                    .flatten()
-                    .map(|i| (self.difference[i] - d).abs());
-                bound[side] = bound[side].max(d.abs() + 0.5 * rises.fold(0.0, f64::max));
+                let change = |before: Option<usize>, after: Option<usize>| {
+                    let neighbours = before.into_iter().chain(after);
+                    let changes = neighbours.map(|i| (self.difference[i] - d).abs());
+                    changes.fold(0.0, f64::max)
+                };
+                let at = row * NODES + column;
+                let along_row = change(
+                    (column > 0).then(|| at - 1),
+                    (column < CELLS).then(|| at + 1),
+                );
+                let along_column = change(
+                    (row > 0).then(|| at - NODES),
+                    (row < CELLS).then(|| at + NODES),
+                );
+                // What falls off towards neighbours may have risen before it fell.
+                bound[side] = bound[side].max(d.abs() + 0.5 * (along_row + along_column));
             }
         }
         (highest, bound)

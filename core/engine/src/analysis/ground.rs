@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use glam::{DVec2, I64Vec2};
 use relievo_analysis::{AnalysisError, Ground, MapBox};
-use relievo_graph::NodeIndex;
+use relievo_graph::{NodeIndex, RenderError};
 use relievo_planet::{Grid, Planet, SampleRect};
 use relievo_raster::Cancel;
 
-use super::compare::failed;
 use crate::scene::Scene;
 
 /// A node of heights, evaluated.
@@ -47,5 +46,15 @@ impl Ground for SceneGround<'_> {
     fn heights(&self, grid: &Grid) -> Result<Vec<f32>, AnalysisError> {
         let evaluated = self.scene.graph.evaluate(self.node, grid, self.cancel);
         Ok(evaluated.map_err(failed)?.plane(0).to_vec())
+    }
+}
+
+/// A graph's error as a measurement's.
+pub(super) fn failed(error: RenderError) -> AnalysisError {
+    match error {
+        RenderError::Cancelled => AnalysisError::Cancelled,
+        error @ (RenderError::Read(_) | RenderError::Node { .. }) => {
+            AnalysisError::Ground(Box::new(error))
+        }
     }
 }

@@ -1,15 +1,16 @@
 //! Plan views of a site: both versions lit from the north-west, and how their heights differ.
 
+use core::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use relievo_analysis::{AnalysisError, Region};
+use relievo_analysis::{AnalysisError, LocalFrame, MapBox};
 use relievo_graph::NodeIndex;
-use relievo_planet::{Grid, SampleRect};
+use relievo_planet::{Grid, MapPoint, Planet, SampleRect};
 use relievo_raster::colour::to_u8;
 use relievo_raster::{Block, Cancel};
 
-use super::compare::failed;
+use super::ground::failed;
 use crate::scene::Scene;
 
 /// Widest picture in pixels.
@@ -63,16 +64,18 @@ pub struct SitePictures {
 impl SitePictures {
     pub(super) fn new(
         scenes: &[Arc<Scene>; 2],
-        region: &Region,
+        area: &MapBox,
+        planet: Planet,
         width: u32,
         cancel: &Cancel,
     ) -> Result<Self, AnalysisError> {
-        let size_m = region.max_m - region.min_m;
+        let (frame, [min_m, max_m]) = plan(area, planet);
+        let size_m = max_m - min_m;
         let width = width.clamp(1, WIDEST);
         let spacing_m = size_m.x / f64::from(width);
         let height = ((size_m.y / spacing_m).round() as u32).clamp(1, WIDEST);
-        let corner_m = DVec2::new(region.min_m.x, region.max_m.y);
-        let lattice = region.frame.lattice(corner_m, spacing_m);
+        let corner_m = DVec2::new(min_m.x, max_m.y);
+        let lattice = frame.lattice(corner_m, spacing_m);
         let rect = SampleRect::at(0, 0, i64::from(width), i64::from(height));
         let grid = Grid::new(Arc::new(lattice), rect);
         let view = |scene: &Scene| View::of(scene, &grid, cancel);
@@ -96,7 +99,7 @@ impl SitePictures {
                 PLAIN
             }
         });
-        let middle = region.frame.place(0.5 * (region.min_m + region.max_m));
+        let middle = frame.place(0.5 * (min_m + max_m));
         Ok(Self {
             a: a.picture(width, height, |i| a.colour(i)),
             b: b.picture(width, height, |i| b.colour(i)),
@@ -106,6 +109,45 @@ impl SitePictures {
             centre_deg: middle.to_degrees(),
         })
     }
+}
+
+/// A frame for an area, and its south-western and north-eastern corners there.
+fn plan(area: &MapBox, planet: Planet) -> (LocalFrame, [DVec2; 2]) {
+    let [north, south] = [area.north_colat_rad, area.south_colat_rad];
+    let height_rad = south - north;
+    if area.width_rad() > PI {
+        // Around a pole, which is in the middle.
+        let (pole, reach_rad) = if north < PI - south {
+            (0.0, south)
+        } else {
+            (PI, PI - north)
+        };
+        let half_m = DVec2::splat(reach_rad.min(FRAC_PI_2) * planet.radius_m);
+        let frame = LocalFrame::new(planet, MapPoint::new(area.west_rad, pole));
+        return (frame, [-half_m, half_m]);
+    }
+    let centre = MapPoint::new(
+        f64::midpoint(area.west_rad, area.east_rad),
+        f64::midpoint(north, south),
+    );
+    let frame = LocalFrame::new(planet, centre);
+    // Sides of an area bend: corners alone do not hold them.
+    let shares = (0..9).map(|i| f64::from(i) / 8.0);
+    let sides = shares.flat_map(|s| {
+        let (lon, colat) = (area.west_rad + s * area.width_rad(), north + s * height_rad);
+        [
+            (lon, north),
+            (lon, south),
+            (area.west_rad, colat),
+            (area.east_rad, colat),
+        ]
+    });
+    let (mut min_m, mut max_m) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for (lon_rad, colat_rad) in sides {
+        let at_m = frame.point_m(MapPoint::new(lon_rad, colat_rad));
+        (min_m, max_m) = (min_m.min(at_m), max_m.max(at_m));
+    }
+    (frame, [min_m, max_m])
 }
 
 /// A version on the grid of a picture.
