@@ -21,6 +21,12 @@ pub trait Change: Sync {
     /// Whether both are known, without evaluating them, to be equal on all samples of a grid.
     fn same(&self, grid: &Grid) -> bool;
 
+    /// How far apart in metres samples may lie in an area to begin with, lest something narrow be missed;
+    /// infinite where nothing is known to be narrow.
+    fn spacing_m(&self, _area: &MapBox) -> f64 {
+        f64::INFINITY
+    }
+
     /// Heights before and after in metres, each in the order of [`Ground::heights`], NaN where there
     /// are none.
     ///
@@ -98,7 +104,8 @@ impl VolumeSettings {
 /// p = 1 too), plus what cells leave open that have changed in part, through which the edge of the change
 /// runs somewhere (half their area, a quarter of their volume), plus the rounding of single-precision
 /// heights. Patches with the largest errors are halved until the tolerance is met or the samples are
-/// spent. What is smaller than the first spacing and lies between its samples is not found.
+/// spent. What is smaller than the first spacing (the settings', or what [`Change::spacing_m`] asks for)
+/// and lies between its samples is not found.
 ///
 /// The same for any number of threads.
 ///

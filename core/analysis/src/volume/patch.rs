@@ -4,10 +4,12 @@ use core::f64::consts::{FRAC_PI_2, SQRT_2};
 use std::sync::Arc;
 
 use glam::DVec2;
+use relievo_planet::map::wrap_longitude;
 use relievo_planet::{Grid, GridCrs, Lattice, Planet, SampleRect};
 
 use super::Change;
 use crate::ground::AnalysisError;
+use crate::map_box::MapBox;
 use crate::triangle::positive_part_of_cell;
 
 /// Cells along a side of a patch; even.
@@ -38,6 +40,17 @@ impl Place {
             corner,
             step,
             spacing_m: planet.metres_per_radian(widest) * step,
+        }
+    }
+
+    pub(crate) fn area(&self) -> MapBox {
+        let west_rad = wrap_longitude(self.corner.x);
+        let size = self.step * CELLS as f64;
+        MapBox {
+            west_rad,
+            east_rad: west_rad + size.x,
+            north_colat_rad: self.corner.y,
+            south_colat_rad: self.corner.y + size.y,
         }
     }
 

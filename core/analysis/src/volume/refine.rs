@@ -11,6 +11,9 @@ use crate::parallel;
 /// Spacing in metres below which nothing is halved: heights are not known as finely.
 const FINEST_M: f64 = 1e-3;
 
+/// Patches that are always allowed to begin with.
+const LEAST: u64 = 4;
+
 /// Measures an area as finely as the settings ask for.
 pub(super) fn refined(
     change: &dyn Change,
@@ -50,13 +53,13 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Patches of the first spacing that may have changed; together they fill the area.
+    /// Patches of the first spacings that may have changed; together they fill the area.
     fn first_places(&self, area: &MapBox) -> Result<Vec<Place>, AnalysisError> {
         let planet = self.change.planet();
         let spacing_m = self.settings.spacing_m.max(FINEST_M);
         // The rest is for where errors turn out to be large.
-        let first = self.settings.max_samples / 4;
-        let most = (first / Place::SAMPLES).max(1) as usize;
+        let first = (self.settings.max_samples / 4).max(LEAST * Place::SAMPLES);
+        let most = (first / Place::SAMPLES) as usize;
         let corner = DVec2::new(area.west_rad, area.north_colat_rad);
         let size = DVec2::new(area.width_rad(), area.south_colat_rad - corner.y);
         let mut places = vec![Place::new(&planet, corner, size / CELLS as f64)];
@@ -68,7 +71,9 @@ impl Work<'_> {
                 if self.change.same(&place.grid()) {
                     continue;
                 }
-                if place.spacing_m.max_element() <= spacing_m {
+                let side_m = place.spacing_m.max_element();
+                let narrow_m = || self.change.spacing_m(&place.area()).max(FINEST_M);
+                if side_m <= spacing_m && side_m <= narrow_m() {
                     found.push(place);
                 } else {
                     coarse.push(place);
@@ -76,7 +81,7 @@ impl Work<'_> {
             }
             if found.len() + coarse.len() > most {
                 return Err(AnalysisError::Refused(format!(
-                    "expected an area of at most {first} samples {spacing_m} m apart to begin with, found at least {}",
+                    "expected an area of at most {first} samples to begin with at {spacing_m} m or less, found at least {}",
                     (found.len() + coarse.len()) as u64 * Place::SAMPLES
                 )));
             }

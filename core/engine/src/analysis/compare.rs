@@ -15,16 +15,16 @@ use std::sync::Arc;
 
 use relievo_analysis::{AnalysisError, Ground, MapBox, VolumeSettings, Volumes, volumes};
 use relievo_planet::{LevelKey, Planet};
-use relievo_project::{Element, ElementId, Project};
+use relievo_project::{ElementId, Project};
 
 use super::Task;
-use super::extent::Extent;
+use super::extent;
 use super::pictures::SitePictures;
 use crate::compile::{NodeCache, compile};
 use crate::engine::Engine;
 use crate::scene::Scene;
-use pair::Pair;
-use sites::{Site, apart};
+use pair::{FINEST_M, Pair};
+use sites::{Widths, apart, meet};
 use steps::{state, steps};
 use version::{as_shown, is_added_noise, surveyed, with_elements};
 
@@ -33,9 +33,6 @@ pub use version::Version;
 
 /// Most elements that are compared one by one.
 const MOST_ELEMENTS: usize = 2000;
-
-/// Finest spacing in metres to begin with.
-const FINEST_M: f64 = 0.02;
 
 /// What the step of one element comes to.
 #[derive(Clone, Debug)]
@@ -74,7 +71,8 @@ pub struct Comparison {
     /// Both versions with all they have.
     pub(super) shown: [Arc<Scene>; 2],
     steps: Vec<Planned>,
-    sites: Vec<Site>,
+    sites: Vec<MapBox>,
+    widths: Widths,
     notes: Vec<String>,
 }
 
@@ -85,7 +83,7 @@ struct Planned {
     kind: String,
     step: Step,
     scenes: [Arc<Scene>; 2],
-    sites: Vec<Site>,
+    sites: Vec<MapBox>,
 }
 
 impl Engine {
@@ -121,15 +119,12 @@ impl Engine {
                 "expected at most {MOST_ELEMENTS} elements that differ, found {differing}"
             ));
         }
-        let site_of = |element: &Element| {
-            Extent::of(element, &planet).map(|extent| Site::of(&extent, &planet))
-        };
         // Where each entry may change the ground, in either version.
-        let reaches: Vec<Option<Site>> = order
+        let reaches: Vec<Option<MapBox>> = order
             .iter()
             .map(|entry| {
                 let both = [&entry.before, &entry.after].into_iter().flatten();
-                both.filter_map(|element| site_of(element))
+                both.filter_map(|element| extent::reach(element, &planet))
                     .reduce(|one, other| one.joined(&other))
             })
             .collect();
@@ -143,7 +138,7 @@ impl Engine {
             // Only what may reach the same ground decides this step.
             let near = |index: usize| {
                 let other = reaches.get(index).and_then(Option::as_ref);
-                other.is_some_and(|other| other.meets(reach))
+                other.is_some_and(|other| meet(other, reach))
             };
             let scenes = [done, done + 1].map(|count| {
                 let elements = state(&order, count).filter(|(index, _)| near(*index));
@@ -156,7 +151,7 @@ impl Engine {
                 kind: element.kind.name().to_owned(),
                 step,
                 scenes,
-                sites: reach.within(bounds),
+                sites: bounds.map_or_else(|| vec![*reach], |bounds| bounds.shared(reach)),
             });
         }
         let mut notes = notes::notes(project, [a, b]);
@@ -178,14 +173,15 @@ impl Engine {
         if reordered {
             notes.push("The order of elements differs: where they overlap, rows do not add up to the total.".to_owned());
         }
-        let changing = planned.iter().flat_map(|step| step.sites.iter().copied());
         let sites = match bounds {
-            None => apart(changing),
-            Some(area) => vec![Site {
-                area: *area,
-                width_m: changing.map(|s| s.width_m).fold(f64::INFINITY, f64::min),
-            }],
+            None => apart(planned.iter().flat_map(|step| step.sites.iter().copied())),
+            Some(bounds) => vec![*bounds],
         };
+        let narrow: Vec<(MapBox, f64)> = from
+            .iter()
+            .chain(&to)
+            .flat_map(|element| extent::narrow(element, &planet))
+            .collect();
         Ok(Comparison {
             names: [a.name(project), b.name(project)],
             planet,
@@ -199,6 +195,7 @@ impl Engine {
             ],
             steps: planned,
             sites,
+            widths: Widths::new(&narrow),
             notes,
         })
     }
@@ -228,7 +225,8 @@ impl Comparison {
         let places = self.steps.iter().map(|step| step.sites.len());
         let parts = (places.sum::<usize>() + self.sites.len()).max(1) as f64;
         let mut done = 0.0;
-        let mut measure = |scenes: &[Arc<Scene>; 2], sites: &[Site]| {
+        let mut sparse: Vec<&str> = Vec::new();
+        let mut measure = |name, scenes: &[Arc<Scene>; 2], sites: &[MapBox]| {
             let mut sum = Volumes::default();
             for site in sites {
                 let progress = |share: f64| (task.progress)((done + share) / parts);
@@ -236,7 +234,11 @@ impl Comparison {
                     cancel: task.cancel,
                     progress: &progress,
                 };
-                sum = sum.and(&self.measure_site(scenes, site, settings, &part)?);
+                let (found, coarser) = self.measure_site(scenes, site, settings, &part)?;
+                if coarser > 1.0 && sparse.last() != Some(&name) {
+                    sparse.push(name);
+                }
+                sum = sum.and(&found);
                 done += 1.0;
             }
             Ok::<_, AnalysisError>(sum)
@@ -249,10 +251,16 @@ impl Comparison {
                 name: step.name.clone(),
                 kind: step.kind.clone(),
                 step: step.step,
-                volumes: measure(&step.scenes, &step.sites)?,
+                volumes: measure(step.name.as_str(), &step.scenes, &step.sites)?,
             });
         }
-        let total = measure(&self.measured, &self.sites)?;
+        let total = measure("total", &self.measured, &self.sites)?;
+        if !sparse.is_empty() {
+            notes.push(format!(
+                "Too few samples to begin as finely as data and narrow elements ask for, so that thin parts may be missed beyond the stated errors; allow more: {}.",
+                notes::listed(&sparse)
+            ));
+        }
         if total.samples == 0 {
             notes.push("Nothing differs.".to_owned());
         }
@@ -279,42 +287,42 @@ impl Comparison {
         let Some(site) = self.sites.get(site) else {
             return Ok(None);
         };
-        SitePictures::new(&self.shown, &site.area, self.planet, width, task.cancel).map(Some)
+        SitePictures::new(&self.shown, site, self.planet, width, task.cancel).map(Some)
     }
 
+    /// What changes at a site, and how many times more sparsely it was looked at than data and narrow
+    /// elements ask for, to stay within the samples allowed.
     fn measure_site(
         &self,
         scenes: &[Arc<Scene>; 2],
-        site: &Site,
+        site: &MapBox,
         settings: &VolumeSettings,
         task: &Task,
-    ) -> Result<Volumes, AnalysisError> {
-        let pair = Pair {
+    ) -> Result<(Volumes, f64), AnalysisError> {
+        let mut pair = Pair {
             scenes,
             planet: self.planet,
             cancel: task.cancel,
+            widths: &self.widths,
+            coarser: 1.0,
         };
         let data_m = scenes
             .iter()
-            .map(|scene| pair.ground(scene).finest_level(&site.area))
+            .map(|scene| pair.ground(scene).finest_level(site))
             .map(|n| LevelKey::new(0, n).step_rad().y * self.planet.radius_m)
             .fold(f64::INFINITY, f64::min);
-        let mut spacing_m = settings
-            .spacing_m
-            .min(data_m)
-            .min(site.width_m / 4.0)
-            .max(FINEST_M);
-        let height_m =
-            (site.area.south_colat_rad - site.area.north_colat_rad) * self.planet.radius_m;
+        let finest_m = settings.spacing_m.min(data_m).max(FINEST_M);
+        let height_m = (site.south_colat_rad - site.north_colat_rad) * self.planet.radius_m;
         loop {
+            let spacing_m = finest_m * pair.coarser;
             let settings = VolumeSettings {
                 spacing_m,
                 ..*settings
             };
-            match volumes(&pair, &site.area, &settings, task) {
+            match volumes(&pair, site, &settings, task) {
                 // Too large an area for so fine a beginning; halving finds what matters.
-                Err(AnalysisError::Refused(_)) if spacing_m < height_m / 64.0 => spacing_m *= 2.0,
-                result => return result,
+                Err(AnalysisError::Refused(_)) if spacing_m < height_m => pair.coarser *= 2.0,
+                result => return Ok((result?, pair.coarser)),
             }
         }
     }

@@ -71,7 +71,8 @@ fn gives_heights(layer: &Layer) -> bool {
     matches!(layer.kind, LayerKind::Height(_) | LayerKind::Noise(_))
 }
 
-fn listed(names: &[&str]) -> String {
+/// Names in one line.
+pub(super) fn listed(names: &[&str]) -> String {
     let shown = names.len().min(MOST_NAMES);
     let mut text = names[..shown].join(", ");
     if names.len() > shown {

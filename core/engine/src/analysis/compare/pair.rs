@@ -2,18 +2,26 @@
 
 use std::sync::Arc;
 
-use relievo_analysis::{AnalysisError, Change, Ground};
+use relievo_analysis::{AnalysisError, Change, Ground, MapBox};
 use relievo_planet::{Grid, Planet};
 use relievo_raster::Cancel;
 
 use crate::analysis::SceneGround;
 use crate::scene::Scene;
 
+use super::sites::Widths;
+
+/// Finest spacing in metres to begin with.
+pub(super) const FINEST_M: f64 = 0.02;
+
 /// The heights of two scenes.
 pub(super) struct Pair<'a> {
     pub(super) scenes: &'a [Arc<Scene>; 2],
     pub(super) planet: Planet,
     pub(super) cancel: &'a Cancel,
+    pub(super) widths: &'a Widths,
+    /// How many times farther apart samples may lie than narrow parts ask for.
+    pub(super) coarser: f64,
 }
 
 impl Pair<'_> {
@@ -35,6 +43,10 @@ impl Change for Pair<'_> {
     fn same(&self, grid: &Grid) -> bool {
         let name = |scene: &Scene| scene.graph.evaluation_id(scene.roots.height, grid);
         name(&self.scenes[0]) == name(&self.scenes[1])
+    }
+
+    fn spacing_m(&self, area: &MapBox) -> f64 {
+        self.coarser * self.widths.spacing_m(area).max(FINEST_M)
     }
 
     fn heights(&self, grid: &Grid) -> Result<(Vec<f64>, Vec<f64>), AnalysisError> {

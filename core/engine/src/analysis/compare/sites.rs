@@ -1,57 +1,56 @@
-//! The areas in which something may change.
+//! Where something may change, and where that is narrow.
 
 use relievo_analysis::MapBox;
-use relievo_planet::Planet;
+use relievo_earthwork::{MapIndex, MapRect};
 
-use crate::analysis::extent::Extent;
+/// Samples across what is narrow, to begin with.
+const ACROSS: f64 = 4.0;
 
-/// Where something may change.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::analysis) struct Site {
-    pub(in crate::analysis) area: MapBox,
-    /// Smallest width in metres that decides a volume there.
-    pub(super) width_m: f64,
-}
-
-impl Site {
-    pub(super) fn of(extent: &Extent, planet: &Planet) -> Self {
-        // The sphere's angle is up to 1/2 % off on the ellipsoid; extents are drawn 1 % too large.
-        Self {
-            area: MapBox::around(extent.centre, extent.radius_m / planet.radius_m),
-            width_m: extent.width_m,
+/// Areas that hold all and share nothing: what is measured in one is not in another.
+pub(super) fn apart(areas: impl IntoIterator<Item = MapBox>) -> Vec<MapBox> {
+    let mut apart: Vec<MapBox> = Vec::new();
+    for mut area in areas {
+        while let Some(index) = apart.iter().position(|other| meet(&area, other)) {
+            area = area.joined(&apart.swap_remove(index));
         }
-    }
-
-    /// One site that holds both.
-    pub(super) fn joined(&self, other: &Self) -> Self {
-        Self {
-            area: self.area.joined(&other.area),
-            width_m: self.width_m.min(other.width_m),
-        }
-    }
-
-    pub(super) fn meets(&self, other: &Self) -> bool {
-        !self.area.shared(&other.area).is_empty()
-    }
-
-    /// The parts of it that lie within bounds.
-    pub(super) fn within(&self, bounds: Option<&MapBox>) -> Vec<Self> {
-        let Some(bounds) = bounds else {
-            return vec![*self];
-        };
-        let parts = bounds.shared(&self.area).into_iter();
-        parts.map(|area| Self { area, ..*self }).collect()
-    }
-}
-
-/// Sites that hold all and share nothing: what is measured in one is not in another.
-pub(super) fn apart(sites: impl IntoIterator<Item = Site>) -> Vec<Site> {
-    let mut apart: Vec<Site> = Vec::new();
-    for mut site in sites {
-        while let Some(index) = apart.iter().position(|other| site.meets(other)) {
-            site = site.joined(&apart.swap_remove(index));
-        }
-        apart.push(site);
+        apart.push(area);
     }
     apart
+}
+
+pub(super) fn meet(one: &MapBox, other: &MapBox) -> bool {
+    !one.shared(other).is_empty()
+}
+
+/// How wide elements are, anywhere.
+pub(super) struct Widths {
+    index: MapIndex,
+    widths_m: Vec<f64>,
+}
+
+impl Widths {
+    pub(super) fn new(areas: &[(MapBox, f64)]) -> Self {
+        let rects: Vec<MapRect> = areas.iter().map(|(area, _)| rect(area)).collect();
+        Self {
+            index: MapIndex::new(rects.iter().map(core::slice::from_ref)),
+            widths_m: areas.iter().map(|(_, width_m)| *width_m).collect(),
+        }
+    }
+
+    /// How far apart samples may lie in an area so that nothing is missed, metres; infinite where no
+    /// element is.
+    pub(super) fn spacing_m(&self, area: &MapBox) -> f64 {
+        let widths = self.index.touching(&rect(area)).into_iter();
+        let widths = widths.map(|i| self.widths_m[i as usize]);
+        widths.fold(f64::INFINITY, f64::min) / ACROSS
+    }
+}
+
+fn rect(area: &MapBox) -> MapRect {
+    MapRect {
+        west_rad: area.west_rad,
+        east_rad: area.east_rad,
+        north_rad: area.north_colat_rad,
+        south_rad: area.south_colat_rad,
+    }
 }
