@@ -198,6 +198,8 @@ fn scenarios_are_compared_as_json_table_and_page() {
             "Higher hills",
             "--bounds",
             bounds,
+            "--samples",
+            "65536",
             "-o",
             path.to_str().unwrap(),
         ]);

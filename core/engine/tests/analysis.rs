@@ -186,7 +186,8 @@ fn a_scenario_whose_ground_is_five_metres_higher_is_five_metres_of_fill() {
     );
     assert_eq!(
         (pictures.range_m, pictures.a.width, pictures.b.rgb.len()),
-        (5.0, 64, 64 * 64 * 3)
+        (5.0, 64, 64 * 84 * 3),
+        "as tall as the bounds"
     );
     assert_eq!(pictures.a, pictures.b, "the same relief, without colour");
     let (back, _) = compare(&raised, &Version::Base);

@@ -37,14 +37,15 @@ pub(crate) struct Arguments {
     /// The report to write: a page with pictures, JSON or a table. Default: JSON to standard output.
     #[arg(short = 'o', value_name = "REPORT.html|REPORT.json|REPORT.csv")]
     file: Option<PathBuf>,
-    /// An area to measure as a whole too, in degrees (the square around it): for scenarios that show different layers.
+    /// Measure what lies inside these edges, in degrees, and nothing else: also layers that differ there.
+    /// Default: the surroundings of elements that differ.
     #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true, value_parser = units::bounds)]
     bounds: Option<[f64; 4]>,
     /// Share of volumes and areas that their errors should not exceed.
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, allow_hyphen_values = true, value_parser = units::positive)]
     tolerance: f64,
     /// Samples that are evaluated at most for a step; what they leave open stands in the errors.
-    #[arg(long, value_name = "N", default_value_t = 1 << 19, value_parser = clap::value_parser!(u64).range(1024..=1 << 32))]
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(1024..=1 << 32))]
     samples: u64,
 }
 

@@ -73,10 +73,8 @@ fn gives_heights(layer: &Layer) -> bool {
 
 /// Names in one line.
 pub(super) fn listed(names: &[&str]) -> String {
-    let shown = names.len().min(MOST_NAMES);
-    let mut text = names[..shown].join(", ");
-    if names.len() > shown {
-        text += &format!(" and {} more", names.len() - shown);
+    match names.get(MOST_NAMES..) {
+        None | Some([]) => names.join(", "),
+        Some(more) => format!("{} and {} more", names[..MOST_NAMES].join(", "), more.len()),
     }
-    text
 }
