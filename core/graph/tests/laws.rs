@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use relievo_earthwork::{Element, Prepared, Profile, Section, Shape, Side, Surface, Vertex};
 use relievo_graph::nodes::{
     AddHeights, Adjust, AdjustParams, BlendMode, Constant, ContourLines, ContourStyle, Earthwork,
-    Memory, Noise, NoiseParams, Normals, Overlay, OverlayHeights, PlacedElement, SlopeAngle, Stop,
-    Tint, Vector,
+    HeightDifference, Memory, Noise, NoiseParams, Normals, Overlay, OverlayHeights, PlacedElement,
+    SlopeAngle, Stop, Tint, Vector,
 };
 use relievo_graph::{ContentId, Graph, GraphBuilder, IdHasher, ImageNode, Job, NodeIndex};
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect, TileKey};
@@ -242,6 +242,11 @@ fn registry() -> Vec<Entry> {
             "steep normals",
             Arc::new(Normals::new(Planet::EARTH, 50.0)),
             HEIGHT,
+        ),
+        entry(
+            "height difference",
+            Arc::new(HeightDifference::new()),
+            &[Bands::Height, Bands::Height],
         ),
         entry("slope angle", Arc::new(SlopeAngle), &[Bands::Normal]),
         entry("contour lines", contour_lines(0), CONTOURED),
