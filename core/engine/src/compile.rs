@@ -3,6 +3,8 @@
 //! Heights first, then colours, which may read them. What a scene does not use is not compiled:
 //! hidden layers, layers whose file is missing, identity adjustments.
 
+mod difference;
+
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
@@ -23,6 +25,8 @@ use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
 use relievo_vector::Drawing;
 
+use self::difference::Shown;
+use crate::difference::HeightDifference;
 use crate::element_colours;
 use crate::elements::ElementCache;
 use crate::message::{Message, Severity};
@@ -87,6 +91,15 @@ impl Compiled {
     }
 }
 
+/// What a graph shall serve, besides what the project says.
+#[derive(Default)]
+pub(crate) struct Wish<'a> {
+    /// The layer that is being edited: what lies below it is kept.
+    pub(crate) pinned: Option<&'a LayerId>,
+    /// Colours over all others that say how the ground differs from that of another project.
+    pub(crate) difference: Option<(&'a Project, HeightDifference)>,
+}
+
 /// Compiles a project. Files that are not open yet are left out; a project that is compiled again
 /// when they are gets them.
 pub(crate) fn compile(
@@ -94,7 +107,7 @@ pub(crate) fn compile(
     folder: &Path,
     sources: &Sources,
     nodes: &NodeCache,
-    pinned: Option<&LayerId>,
+    wish: &Wish<'_>,
 ) -> Compiled {
     let mut compiler = Compiler {
         builder: GraphBuilder::default(),
@@ -113,7 +126,22 @@ pub(crate) fn compile(
     let ground = compiler.heights(project);
     let (height, elements) = compiler.elements(project, ground);
     let normal = compiler.normals(height);
-    let colour = compiler.colours(project, height, pinned);
+    let colours = compiler.colours(project, height, wish.pinned);
+    let colour = match &wish.difference {
+        Some((other, difference)) => {
+            let shown = Shown {
+                project,
+                ground,
+                height,
+                elements: &elements,
+            };
+            Some(compiler.difference(&shown, other, *difference, colours))
+        }
+        None => colours,
+    };
+    if let Some(root) = colour {
+        compiler.builder.cut(root, SampleType::Rgba8);
+    }
     *nodes.nodes.lock() = compiler.used.into_iter().collect();
     *nodes.warps.lock() = compiler.warps;
     Compiled {
@@ -325,9 +353,7 @@ impl Compiler<'_> {
                 below = Some(over);
             }
         }
-        let root = self.element_colours(project, below)?;
-        self.builder.cut(root, SampleType::Rgba8);
-        Some(root)
+        self.element_colours(project, below)
     }
 
     /// Planning elements' own colours over all layers.

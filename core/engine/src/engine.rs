@@ -35,6 +35,7 @@ use self::planning::PlanQuery;
 use self::tally::Tally;
 pub use self::tally::{Made, NodeReport};
 use crate::compile::{self, NodeCache};
+use crate::difference::HeightDifference;
 use crate::frame::{ClipKind, Frame};
 use crate::labels::LabelCache;
 use crate::masses::making::Bodies;
@@ -67,6 +68,7 @@ pub struct Engine {
     messages: Messages,
     /// The layer that is being edited: what lies below it is pinned.
     pinned: Option<LayerId>,
+    difference: Option<(Option<ScenarioId>, HeightDifference)>,
     revisions: u64,
     shown: Arc<Scene>,
     /// The revision that is being made, and the edit that waits behind it.
@@ -133,7 +135,8 @@ impl Engine {
         let sources = Sources::new(options.cache_folder, options.wake, options.watch)?;
         let nodes = NodeCache::default();
         let label_cache = LabelCache::default();
-        let empty = compile::compile(&Project::default(), folder, &sources, &nodes, None);
+        let nothing = compile::Wish::default();
+        let empty = compile::compile(&Project::default(), folder, &sources, &nodes, &nothing);
         let engine = Self {
             project,
             history: History::default(),
@@ -146,6 +149,7 @@ impl Engine {
             tally,
             messages: Messages::default(),
             pinned: None,
+            difference: None,
             revisions: 0,
             shown: Arc::new(empty.into_scene(0)),
             making: None,
@@ -230,6 +234,16 @@ impl Engine {
         self.dirty = true;
     }
 
+    /// Colours the ground by how much higher or lower it is than in another scenario (`None`: the
+    /// base), over everything else; `None` shows it as it is. No part of the project, and only tiles
+    /// that the difference touches are made again.
+    pub fn show_difference(&mut self, of: Option<(Option<ScenarioId>, HeightDifference)>) {
+        if self.difference != of {
+            self.difference = of;
+            self.stale = true;
+        }
+    }
+
     /// One step: takes finished tiles, publishes a finished revision, plans, asks for what is
     /// missing, and says what to upload and draw. Never waits. `dt_s` is the time since the last
     /// call, infinite for stills; `None` until a view is set.
@@ -306,13 +320,12 @@ impl Engine {
 
     /// As [`Self::questions`], of a scenario that need not be shown; `None` is the base.
     pub fn questions_in(&self, scenario: Option<&ScenarioId>) -> Questions {
-        let pinned = None;
         let compiled = compile::compile(
             &as_shown(&self.project, scenario),
             &self.folder,
             &self.sources,
             &self.nodes,
-            pinned,
+            &compile::Wish::default(),
         );
         let planet = self.project.planet.body.figure();
         Questions {

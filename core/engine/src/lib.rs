@@ -6,6 +6,7 @@
 pub mod analysis;
 pub mod bake;
 mod compile;
+mod difference;
 mod element_answers;
 mod element_colours;
 mod elements;
@@ -27,6 +28,7 @@ mod vectors;
 mod view;
 
 pub use bake::{Bake, BakeError, Output};
+pub use difference::HeightDifference;
 pub use element_answers::ElementAnswer;
 pub use engine::{
     DEFAULT_DISK_CACHE_BYTES, Engine, EngineOptions, EngineStats, Guarded, Kept, OpenError,

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use relievo_project::{Project, ScenarioId};
 
-/// The project with a scenario's elements and layers in the place of the base's and without
-/// scenarios (`None`: the base itself). Elements are shared, so this costs little more than the list.
+/// The project with a scenario's elements and layers in the place of the base's (`None`: the base
+/// itself), showing no scenario. Elements are shared, so this costs little more than the list.
 pub fn as_shown<'a>(project: &'a Project, scenario: Option<&ScenarioId>) -> Cow<'a, Project> {
-    if scenario.is_none() {
+    if scenario.is_none() && project.scenario.is_none() {
         return Cow::Borrowed(project);
     }
     Cow::Owned(Project {

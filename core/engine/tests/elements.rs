@@ -14,7 +14,7 @@ use relievo_engine::project::{
     SurfaceKind, Vertex,
 };
 use relievo_engine::raster::Cancel;
-use relievo_engine::{Engine, EngineOptions, View};
+use relievo_engine::{ClipKind, Engine, EngineOptions, HeightDifference, Upload, View};
 
 const LON: f64 = 10.0;
 const LAT: f64 = 45.0;
@@ -81,12 +81,27 @@ fn height_m(engine: &Engine, lon_deg: f64, lat_deg: f64) -> f64 {
     answer.height_m
 }
 
-fn converge(engine: &mut Engine) {
+fn from_above() -> View {
+    View {
+        camera: Camera::from_degrees(LON, LAT, 1500.0, 0.0, -90.0, 60.0).unwrap(),
+        viewport_px: [320, 240],
+        colour_window: 256,
+        colour_texel_px: 1.0,
+        height_texel_px: 2.0,
+        max_taps: 4,
+    }
+}
+
+/// Drains until nothing is missing and nothing is being made; what there was to upload.
+fn settle(engine: &mut Engine) -> Vec<Upload> {
+    let mut uploads = Vec::new();
     for _ in 0..2000 {
-        if engine.drain(f32::INFINITY).unwrap().is_converged() {
-            return;
+        let frame = engine.drain(f32::INFINITY).unwrap();
+        let is_converged = frame.is_converged();
+        uploads.extend(frame.uploads);
+        if engine.wait(Duration::from_millis(50)) && is_converged {
+            return uploads;
         }
-        engine.wait(Duration::from_millis(50));
     }
     panic!("does not converge: {:?}", engine.stats());
 }
@@ -122,17 +137,8 @@ fn a_drag_makes_again_only_tiles_in_reach_and_prepares_one_element() {
         );
     }
     add(&mut engine, platform("dragged", 12.0));
-    let camera = Camera::from_degrees(LON, LAT, 1500.0, 0.0, -90.0, 60.0).unwrap();
-    engine.set_view(View {
-        camera,
-        viewport_px: [320, 240],
-        colour_window: 256,
-        colour_texel_px: 1.0,
-        height_texel_px: 2.0,
-        max_taps: 4,
-    });
-    converge(&mut engine);
-    while !engine.wait(Duration::from_millis(50)) {}
+    engine.set_view(from_above());
+    settle(&mut engine);
     engine.take_log();
     let kept = engine.stats().kept.nodes;
     engine
@@ -141,8 +147,7 @@ fn a_drag_makes_again_only_tiles_in_reach_and_prepares_one_element() {
             element: platform("dragged", 13.0),
         })
         .unwrap();
-    converge(&mut engine);
-    while !engine.wait(Duration::from_millis(50)) {}
+    settle(&mut engine);
     let made = engine.take_log();
     assert!(!made.is_empty());
     assert!(
@@ -155,11 +160,8 @@ fn a_drag_makes_again_only_tiles_in_reach_and_prepares_one_element() {
     assert!(engine.stats().kept.nodes <= kept + 1);
 }
 
-#[test]
-fn the_shown_scenario_decides_and_nobody_else() {
-    let mut engine = engine();
-    let ground = height_m(&engine, LON, LAT);
-    add(&mut engine, platform("pad", 50.0));
+/// A scenario in which the platform lies at 70 m.
+fn add_higher(engine: &mut Engine) {
     let mut scenario = Scenario::new(ScenarioId::from("higher"), "higher", None);
     let replace = ChangeKind::Replace {
         element: platform("pad", 70.0),
@@ -171,12 +173,30 @@ fn the_shown_scenario_decides_and_nobody_else() {
         scenario: Box::new(scenario),
     };
     engine.apply(add).unwrap();
-    assert_eq!(height_m(&engine, LON, LAT), 50.0);
-    let show = |id: Option<&str>| Edit::ShowScenario {
+}
+
+fn show(id: Option<&str>) -> Edit {
+    Edit::ShowScenario {
         id: id.map(ScenarioId::from),
-    };
+    }
+}
+
+#[test]
+fn the_shown_scenario_decides_and_nobody_else() {
+    let mut engine = engine();
+    let ground = height_m(&engine, LON, LAT);
+    add(&mut engine, platform("pad", 50.0));
+    add_higher(&mut engine);
+    assert_eq!(height_m(&engine, LON, LAT), 50.0);
     engine.apply(show(Some("higher"))).unwrap();
     assert_eq!(height_m(&engine, LON, LAT), 70.0);
+    let base = engine.questions_in(None);
+    let place = MapPoint::from_degrees(LON, LAT);
+    let in_base = base.place(place, &Cancel::default()).unwrap();
+    assert_eq!(
+        in_base.height_m, 50.0,
+        "the base can be asked while another is shown"
+    );
     engine.apply(show(None)).unwrap();
     assert_eq!(height_m(&engine, LON, LAT), 50.0);
     assert_ne!(ground, 50.0);
@@ -271,4 +291,59 @@ fn an_elements_colours_lie_above_the_layers_where_it_is() {
     };
     assert_eq!(colour(&engine, LON), Some([200, 40, 10, 255]));
     assert_eq!(colour(&engine, LON + 0.002), Some([0; 4]));
+}
+
+/// How many uploaded pixels are much redder than blue, and the other way round.
+fn reds_and_blues(uploads: &[Upload]) -> (usize, usize) {
+    let colours = uploads.iter().filter(|u| u.clipmap == ClipKind::Colour);
+    let pixels = colours
+        .filter_map(|u| u.tile.bytes())
+        .flat_map(|b| b.chunks_exact(4));
+    pixels.fold((0, 0), |(reds, blues), p| {
+        let (red, blue) = (i32::from(p[0]), i32::from(p[2]));
+        (
+            reds + usize::from(red > blue + 60),
+            blues + usize::from(blue > red + 60),
+        )
+    })
+}
+
+#[test]
+fn a_difference_is_red_where_the_shown_ground_is_higher_and_costs_only_its_own_tiles() {
+    let mut engine = engine();
+    add(&mut engine, platform("pad", 50.0));
+    let surface = SurfaceKind::Platform { height_m: 9.0 };
+    add(&mut engine, pad("same", LON + 0.004, LAT, 40.0, surface));
+    add_higher(&mut engine);
+    engine.apply(show(Some("higher"))).unwrap();
+    engine.set_view(from_above());
+    let plain = settle(&mut engine);
+    assert_eq!(reds_and_blues(&plain), (0, 0));
+    engine.take_log();
+
+    let by = HeightDifference::that_shows(20.0);
+    engine.show_difference(Some((None, by)));
+    let (reds, blues) = reds_and_blues(&settle(&mut engine));
+    assert!(reds > 1000 && blues == 0, "{reds} red, {blues} blue");
+    let made = engine.take_log();
+    let colours = made.iter().filter(|e| e.kind == "overlay").count();
+    assert!(colours > 0);
+    for entry in &made {
+        assert!(
+            ["overlay", "earthwork"].contains(&entry.kind),
+            "{}",
+            entry.kind
+        );
+    }
+
+    engine.apply(show(None)).unwrap();
+    engine.show_difference(Some((Some(ScenarioId::from("higher")), by)));
+    let (reds, blues) = reds_and_blues(&settle(&mut engine));
+    assert!(reds == 0 && blues > 1000, "{reds} red, {blues} blue");
+
+    engine.take_log();
+    engine.apply(show(Some("higher"))).unwrap();
+    engine.show_difference(None);
+    settle(&mut engine);
+    assert_eq!(engine.take_log().len(), 0, "everything was there before");
 }

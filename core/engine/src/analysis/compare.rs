@@ -20,7 +20,7 @@ use relievo_project::{ElementId, Project};
 use super::Task;
 use super::extent;
 use super::pictures::SitePictures;
-use crate::compile::{NodeCache, compile};
+use crate::compile::{NodeCache, Wish, compile};
 use crate::engine::Engine;
 use crate::scene::Scene;
 use pair::{FINEST_M, Pair};
@@ -104,7 +104,13 @@ impl Engine {
         let planet = project.planet.body.figure();
         let nodes = NodeCache::default();
         let scene = |project: &Project| -> Arc<Scene> {
-            let compiled = compile(project, self.folder(), self.sources(), &nodes, None);
+            let compiled = compile(
+                project,
+                self.folder(),
+                self.sources(),
+                &nodes,
+                &Wish::default(),
+            );
             Arc::new(compiled.into_scene(0))
         };
         let [from, to] = [a, b].map(|version| {

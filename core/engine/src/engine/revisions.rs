@@ -30,12 +30,18 @@ impl Engine {
         }
         self.stale = false;
         self.revisions += 1;
+        let compared = self.difference.as_ref();
+        let compared = compared.map(|(of, by)| (as_shown(&self.project, of.as_ref()), *by));
+        let wish = compile::Wish {
+            pinned: self.pinned.as_ref(),
+            difference: compared.as_ref().map(|(other, by)| (&**other, *by)),
+        };
         let compiled = compile::compile(
             &as_shown(&self.project, self.project.scenario.as_ref()),
             &self.folder,
             &self.sources,
             &self.nodes,
-            self.pinned.as_ref(),
+            &wish,
         );
         self.messages.replace_sources(&compiled.problems);
         self.making = Some(Arc::new(compiled.into_scene(self.revisions)));
