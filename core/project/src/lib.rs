@@ -59,7 +59,7 @@ pub use lock::{Holder, LockError, ProjectLock};
 pub use paths::{resolve_path, store_path};
 pub use scenario::{Change, ChangeKind, LayerOverride, Scenario};
 pub use side::{MissingGeometry, side_folder};
-pub use stored::fault::Fault;
+pub use stored::fault::{Fault, quote};
 pub use vector_layer::{
     Casing, ClassMatch, ClassedBy, Extrude, Hatch, Label, PointSymbol, StyleClass, Symbol,
     VectorLayer, VectorStyle, Width, WidthUnit,

@@ -80,8 +80,8 @@ pub(crate) fn describe(value: &Value) -> String {
     }
 }
 
-/// A text in quotes, escaped and shortened.
-pub(crate) fn quote(text: &str) -> String {
+/// A text in quotes, escaped, and shortened to 60 characters.
+pub fn quote(text: &str) -> String {
     const LONGEST: usize = 60;
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{:?}…", &text[..end]),

@@ -12,6 +12,9 @@ use crate::Extra;
 /// A layer has about twenty, a vertex four.
 const MOST_VALUES: usize = 4_000_000;
 
+/// What an object takes in memory, in values.
+const OBJECT: usize = 10;
+
 /// A JSON value without repeated members: of two members of one name one would be lost on saving.
 #[derive(Clone, Copy)]
 struct Strict<'a> {
@@ -19,15 +22,22 @@ struct Strict<'a> {
     left: &'a Cell<usize>,
 }
 
+impl Strict<'_> {
+    fn take<E: serde::de::Error>(self, values: usize) -> Result<(), E> {
+        let left = self.left.get().checked_sub(values).ok_or_else(|| {
+            let limit = "values, an object counted as";
+            E::custom(format!("more than {MOST_VALUES} {limit} {OBJECT}"))
+        })?;
+        self.left.set(left);
+        Ok(())
+    }
+}
+
 impl<'de> DeserializeSeed<'de> for Strict<'_> {
     type Value = Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
-        let Some(left) = self.left.get().checked_sub(1) else {
-            let message = format!("more than {MOST_VALUES} values");
-            return Err(serde::de::Error::custom(message));
-        };
-        self.left.set(left);
+        self.take(1)?;
         deserializer.deserialize_any(self)
     }
 }
@@ -72,6 +82,7 @@ impl<'de> Visitor<'de> for Strict<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Value, A::Error> {
+        self.take(OBJECT - 1)?;
         let mut map = Extra::new();
         while let Some(name) = members.next_key::<String>()? {
             let value = members.next_value_seed(self)?;
@@ -86,7 +97,7 @@ impl<'de> Visitor<'de> for Strict<'_> {
 }
 
 /// The value of a JSON text. Nesting beyond 127 levels, repeated members and more than
-/// [`MOST_VALUES`] values are errors.
+/// [`MOST_VALUES`] values, an object counted as [`OBJECT`], are errors.
 pub(crate) fn parse(text: &str) -> Result<Value, serde_json::Error> {
     // Editors on some systems begin a file with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
