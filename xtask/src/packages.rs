@@ -13,6 +13,8 @@ pub(crate) enum Requirement {
     VulkanDriver,
     /// A shared library that a window opens at run time.
     Library(Library),
+    /// `Xvfb`, a display in memory, in which tests open the real window.
+    VirtualDisplay,
 }
 
 /// Shared libraries that a window opens at run time.
@@ -62,6 +64,7 @@ impl Requirement {
             Self::VulkanLoader => "the Vulkan loader (libvulkan.so.1)",
             Self::VulkanDriver => "a Vulkan driver (no .json file in any vulkan/icd.d folder)",
             Self::Library(library) => library.soname(),
+            Self::VirtualDisplay => "a display in memory (Xvfb)",
         }
     }
 
@@ -75,6 +78,7 @@ impl Requirement {
                 "opens the window on Wayland"
             }
             Self::Library(_) => "opens the window on X11",
+            Self::VirtualDisplay => "holds the window that a test opens",
         }
     }
 
@@ -93,6 +97,7 @@ impl Requirement {
                 Library::WaylandClient => &["libwayland-client0"],
                 Library::Xkbcommon => &["libxkbcommon0"],
             },
+            Self::VirtualDisplay => &["xvfb"],
         }
     }
 }
@@ -103,6 +108,8 @@ pub(crate) enum Display {
     None,
     X11,
     Wayland,
+    /// X11 in memory, which a test starts itself.
+    Virtual,
     /// The system always has one (macOS, Windows).
     Native,
 }
@@ -132,10 +139,13 @@ pub(crate) fn requirements(gpu: bool, window: Display) -> Vec<Requirement> {
     }
     let libraries: &[Library] = match window {
         Display::None | Display::Native => &[],
-        Display::X11 => &X11_WINDOW,
+        Display::X11 | Display::Virtual => &X11_WINDOW,
         Display::Wayland => &WAYLAND_WINDOW,
     };
     all.extend(libraries.iter().copied().map(Requirement::Library));
+    if window == Display::Virtual {
+        all.push(Requirement::VirtualDisplay);
+    }
     all
 }
 
@@ -317,6 +327,9 @@ mod tests {
         assert_eq!(libraries(Display::None), 0);
         assert_eq!(libraries(Display::X11), X11_WINDOW.len());
         assert_eq!(libraries(Display::Wayland), WAYLAND_WINDOW.len());
+        assert_eq!(libraries(Display::Virtual), X11_WINDOW.len());
+        let has_server = |d| requirements(true, d).contains(&Requirement::VirtualDisplay);
+        assert!(has_server(Display::Virtual) && !has_server(Display::X11));
     }
 
     #[test]

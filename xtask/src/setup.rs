@@ -66,6 +66,7 @@ fn missing(gpu: bool, window: Display) -> Vec<Requirement> {
         Requirement::VulkanLoader => !has_library("libvulkan.so.1"),
         Requirement::VulkanDriver => !has_vulkan_driver(),
         Requirement::Library(library) => !has_library(library.soname()),
+        Requirement::VirtualDisplay => !runs("Xvfb", &["-help"]),
     });
     missing
 }

@@ -94,7 +94,8 @@ fn studio_arguments(
 /// Sets up what is missing and runs all tests: `core` first and alone, then the rest, the
 /// examples in the documentation included.
 pub(crate) fn test(gpu: bool) -> Result<()> {
-    setup::ensure(gpu, Display::None)?;
+    let window = if gpu { Display::Virtual } else { Display::None };
+    setup::ensure(gpu, window)?;
     let has_nextest = setup::runs("cargo", &["nextest", "--version"]);
     let runner = if has_nextest {
         Runner::Nextest
