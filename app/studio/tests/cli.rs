@@ -137,6 +137,20 @@ fn a_project_made_from_a_file_is_checked_sampled_edited_and_described() {
 }
 
 #[test]
+fn a_small_new_project_in_the_mountains_is_seen_from_above_the_ground() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "ncols 4\nnrows 4\nxllcorner 10\nyllcorner 45\ncellsize 0.001\n";
+    let rows = "3000 3000 3000 3000\n".repeat(4);
+    let heights = text_file(folder.path(), "alp.asc", &format!("{header}{rows}"));
+    let project = in_folder(folder.path(), "alp.relievo");
+    good(&["new", &project, "--source", &heights]);
+    let info = good(&["info", &project, "--json"]).json();
+    let altitude_m = info["camera"]["altitude_m"].as_f64().unwrap();
+    // 0.004 degrees of latitude fill a picture of 60 degrees from 385 m, and there is room around.
+    assert!((3385.0..3600.0).contains(&altitude_m), "{altitude_m}");
+}
+
+#[test]
 fn a_new_project_replaces_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let project = text_file(folder.path(), "mine.relievo", NOISE);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use relievo_engine::planet::Planet;
+use relievo_engine::planet::{MapPoint, Planet};
 use relievo_engine::project::{
     self as project_kinds, Body, Edit, LayerKind, PlanetSettings, Project, Replace, SourceRole,
     layer_from_source,
@@ -114,7 +114,9 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         .map_err(Failure::input)?;
     if let Some(frame) = frame {
         let figure = engine.project().planet.body.figure();
-        let camera = engine.project().camera.with_camera(&frame.camera(&figure));
+        let mut camera = frame.camera(&figure);
+        camera.altitude_m += ground_m(&mut engine, camera.map_point(), context);
+        let camera = engine.project().camera.with_camera(&camera);
         engine
             .apply(Edit::SetCamera { camera })
             .map_err(Failure::input)?;
@@ -126,6 +128,21 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         .save(&output, Replace::Never)
         .map_err(Failure::input)?;
     Ok(())
+}
+
+/// Height of the ground at a place, metres; 0 where no file has any. What cannot be read is told when
+/// the project is opened.
+fn ground_m(engine: &mut Engine, at: MapPoint, context: &Context) -> f64 {
+    let layers = &engine.project().layers;
+    if !layers
+        .iter()
+        .any(|l| matches!(l.kind, LayerKind::Height(_)))
+    {
+        return 0.0;
+    }
+    engine.wait_for_sources();
+    let place = engine.questions().place(at, &context.cancel);
+    place.map_or(0.0, |p| p.height_m)
 }
 
 /// The edit that adds a layer for a file, with an id that none in `named` has.
