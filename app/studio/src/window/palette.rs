@@ -3,8 +3,8 @@
 mod fuzzy;
 
 use eframe::egui::{
-    self, Id, Key, Label, Modal, Modifiers, Response, RichText, Role, ScrollArea, Sense, TextEdit,
-    Ui, WidgetInfo, vec2,
+    self, Event, Id, Key, Label, Modal, Modifiers, Response, RichText, Role, ScrollArea, Sense,
+    TextEdit, Ui, WidgetInfo, vec2,
 };
 
 use super::theme;
@@ -49,6 +49,19 @@ pub(crate) struct Offer {
 }
 
 impl Palette {
+    /// An empty one, or with what was typed since its keys in the same slow frame.
+    pub(crate) fn opened(ctx: &egui::Context) -> Self {
+        let text = |event: &Event| match event {
+            Event::Text(text) => Some(text.clone()),
+            _ => None,
+        };
+        let typed = match ctx.text_edit_focused() {
+            true => String::new(),
+            false => ctx.input(|i| i.events.iter().filter_map(text).collect()),
+        };
+        Self { typed, chosen: 0 }
+    }
+
     /// Draws it.
     pub(crate) fn show(&mut self, ctx: &egui::Context, offers: &[Offer]) -> Outcome {
         let modal = Modal::new(Id::unique("palette")).show(ctx, |ui| self.content(ui, offers));

@@ -60,8 +60,12 @@ impl Settings {
     pub(crate) fn apply(&self, ctx: &Context) {
         ctx.set_theme(self.theme);
         ctx.set_zoom_factor(self.scale);
-        // The table of commands has these keys.
-        ctx.options_mut(|options| options.zoom_with_keyboard = false);
+        ctx.options_mut(|options| {
+            // The table of commands has these keys.
+            options.zoom_with_keyboard = false;
+            // On a slow adapter a frame between press and release can take longer than any limit.
+            options.input_options.max_click_duration = f64::INFINITY;
+        });
     }
 
     /// Dark, light, or as the system asks for.

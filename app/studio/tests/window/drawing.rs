@@ -1,7 +1,7 @@
 //! Planning elements drawn on the terrain, and what belongs to them: bookmarks, scenarios.
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
+use eframe::egui::{Key, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use relievo_engine::project::{Element, ElementKind, SurfaceKind, Vertex};
 
@@ -13,25 +13,10 @@ const PLAIN: &str = r#"{"version": 1,
     "layers": [{"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 1.0, "wavelength_m": 500000.0, "octaves": 3}]}"#;
 
 impl Window {
-    fn view(&self) -> Rect {
-        self.harness.get_by_label("View of the planet").rect()
-    }
-
     /// A point of the view, in shares of its height from its middle.
     fn at(&self, x: f32, y: f32) -> Pos2 {
         let view = self.view();
         view.center() + vec2(x, y) * view.height()
-    }
-
-    fn click_at(&mut self, at: Pos2) {
-        self.harness.hover_at(at);
-        self.harness.run_steps(1);
-        self.harness.drag_at(at);
-        self.harness.run_steps(1);
-        self.harness.drop_at(at);
-        self.steps();
-        // So that the next click is no double click.
-        self.harness.run_steps(30);
     }
 
     /// Draws a triangle around the middle and closes it.
@@ -88,6 +73,24 @@ fn a_polygon_is_drawn_dragged_undone_saved_and_opened_again() {
     let window = window.again();
     assert_eq!(window.outline(), moved);
     assert_eq!(window.elements()[0].name, "Platform 1");
+}
+
+#[test]
+fn a_click_counts_however_long_the_frame_in_it_takes() {
+    let mut window = Window::open(PLAIN);
+    window.press(Modifiers::NONE, Key::P);
+    for (x, y) in [(-0.2, 0.1), (0.2, 0.1), (0.0, -0.2)] {
+        let at = window.at(x, y);
+        window.harness.hover_at(at);
+        window.harness.run_steps(1);
+        window.harness.drag_at(at);
+        // A quarter of a second each.
+        window.harness.run_steps(8);
+        window.harness.drop_at(at);
+        window.harness.run_steps(4);
+    }
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.outline().len(), 3);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::shared::{PROJECT, Window};
 use eframe::egui::accesskit::{Role, Toggled};
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use relievo::commands::{Command, Menu, TABLE};
 use relievo::window::Pane;
@@ -85,6 +85,24 @@ fn the_palette_finds_a_command_by_a_few_letters_and_runs_it() {
     assert!(undo.accesskit_node().is_disabled());
     window.press(Modifiers::NONE, Key::Escape);
     assert!(!window.harness.state().document().is_changed());
+}
+
+#[test]
+fn what_is_typed_while_the_palette_opens_is_for_the_palette() {
+    let mut window = Window::open(PROJECT);
+    // All in one frame, as a slow one hears it: the letters have meanings of their own otherwise.
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::P);
+    for (key, letter) in [(Key::B, "b"), (Key::R, "r"), (Key::U, "u")] {
+        window.harness.key_press(key);
+        window.harness.event(Event::Text(letter.to_owned()));
+    }
+    window.steps();
+    let field = window
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Find a command");
+    assert_eq!(field.accesskit_node().value().as_deref(), Some("bru"));
 }
 
 #[test]

@@ -129,7 +129,7 @@ impl Studio {
             }
             Command::StopComparing => self.stop_comparing(),
             Command::AddBookmark => self.add_bookmark(),
-            Command::Palette => self.palette = Some(Palette::default()),
+            Command::Palette => self.palette = Some(Palette::opened(ctx)),
             Command::FollowSystem => self.set_theme(ThemePreference::System, ctx),
             Command::Dark => self.set_theme(ThemePreference::Dark, ctx),
             Command::Light => self.set_theme(ThemePreference::Light, ctx),

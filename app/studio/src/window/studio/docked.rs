@@ -44,7 +44,12 @@ impl Studio {
         let engine = self.document.engine();
         match pane {
             Pane::View => self.viewport(ui, actions),
-            Pane::Layers => layers::show(ui, engine, self.selected.as_ref(), actions),
+            Pane::Layers => {
+                // One thing at a time is what keys and the inspector mean.
+                let selected = self.selected.as_ref();
+                let selected = selected.filter(|_| self.selected_element.is_none());
+                layers::show(ui, engine, selected, actions);
+            }
             Pane::Elements => {
                 let (scenario, shown) = (self.scenario(), self.elements());
                 let selected = self.selected_element.as_ref();

@@ -7,7 +7,7 @@ use relievo_engine::Severity;
 use relievo_engine::raster::Cancel;
 
 use super::{Dragging, Studio};
-use crate::commands;
+use crate::commands::{self, Command};
 use crate::window::action::Action;
 use crate::window::dialogs::{self, Dialog, Then};
 use crate::window::palette::{self, Outcome};
@@ -36,12 +36,13 @@ impl Studio {
         self.status.problems = serious + self.log.problems();
         let mut actions = Vec::new();
         if self.dialog.is_none() && self.palette.is_none() {
-            actions.extend(
-                commands::pressed(&ctx)
-                    .into_iter()
-                    .filter(|c| self.is_possible(*c))
-                    .map(Action::Run),
-            );
+            let mut pressed = commands::pressed(&ctx);
+            if pressed.contains(&Command::Palette) {
+                // What was typed after its keys in one slow frame is for it.
+                pressed.retain(|c| *c == Command::Palette);
+            }
+            pressed.retain(|c| self.is_possible(*c));
+            actions.extend(pressed.into_iter().map(Action::Run));
         }
         self.panels(ui, &mut actions);
         self.show_palette(&ctx, &mut actions);

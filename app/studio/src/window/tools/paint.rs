@@ -25,6 +25,9 @@ impl Studio {
             .input(|i| i.pointer.latest_pos())
             .filter(|p| rect.contains(*p));
         let projector = Projector::new(self.document.engine(), self.camera(), rect);
+        if self.is_blank() {
+            return;
+        }
         let painter = ui.painter_at(rect);
         let selected = self.selected_element();
         let mut left = MOST_OTHERS;
