@@ -11,7 +11,7 @@ use eframe::egui::{
     WidgetInfo, pos2, vec2,
 };
 use relievo_engine::project::{Project, ScenarioId};
-use relievo_engine::{Engine, EngineOptions};
+use relievo_engine::{Engine, EngineOptions, HeightDifference};
 use relievo_gpu::AdapterClass;
 
 use self::difference::{Differences, Wanted};
@@ -20,7 +20,6 @@ use super::messages::Weight;
 use super::stage::Stage;
 use super::studio::Studio;
 use super::theme;
-use super::tools::view::Projector;
 use crate::picture;
 
 /// Bytes of tiles that the second engine keeps in memory.
@@ -64,6 +63,17 @@ pub(crate) struct Compare {
     /// Where the line of the swipe is, 0 to 1.
     swipe: f32,
     differences: Differences,
+}
+
+impl Compare {
+    /// The difference that the document's own picture shows.
+    pub(crate) fn difference(&self) -> Option<(Option<ScenarioId>, HeightDifference)> {
+        let colours = self
+            .differences
+            .colours()
+            .filter(|_| self.mode == Mode::Difference);
+        Some((self.other.clone(), colours?))
+    }
 }
 
 /// The parts of the view: the rectangle of the document's own picture, where it is seen, and the
@@ -111,7 +121,7 @@ impl Studio {
                     other,
                     engine,
                     stage: None,
-                    revision: self.document.revision(),
+                    revision: self.document.revision() ^ (self.frame_revision << 32),
                     swipe: 0.5,
                     differences: Differences::new(latest),
                 });
@@ -230,18 +240,18 @@ impl Studio {
         let other = name_of(project, compare.other.as_ref());
         if compare.mode == Mode::Difference && parts.other.is_none() {
             let wanted = Wanted {
-                revision: self.document.revision() ^ (self.frame_revision << 32),
+                revision: self.document.revision(),
                 camera: *self.navigation.camera(),
                 aspect: f64::from(rect.aspect_ratio()),
             };
             let engine = self.document.engine();
             if !self.navigation.is_moving() && !ui.input(|i| i.pointer.any_down()) {
-                let both = || (engine.questions(), compare.engine.questions());
+                let other = compare.other.as_ref();
+                let both = || (engine.questions(), engine.questions_in(other));
                 compare.differences.ask(&wanted, both);
             }
-            let projector = Projector::new(engine, self.navigation.camera(), rect);
-            let most_m = compare.differences.paint(ui, rect, &wanted, &projector);
-            difference::legend(ui, rect, &own, &other, most_m);
+            compare.differences.update(&wanted);
+            compare.differences.legend(ui, rect, &own, &other);
             return;
         }
         if let Some((_, seen)) = parts.other {

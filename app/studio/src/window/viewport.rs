@@ -14,7 +14,7 @@ use relievo_engine::{Frame, View};
 use relievo_gpu::{AdapterClass, RenderError};
 
 use super::action::Action;
-use super::compare::Parts;
+use super::compare::{Compare, Parts};
 use super::messages::Weight;
 use super::navigation::Hit;
 use super::pace::REST_S as PICTURE_REST_S;
@@ -178,7 +178,9 @@ impl Studio {
             viewport_px: full_px,
             ..view
         };
+        let difference = self.compare.as_ref().and_then(Compare::difference);
         let engine = self.document.engine_mut();
+        engine.show_difference(difference);
         engine.set_view(view);
         let Some(frame) = engine.drain(dt_s) else {
             return;
