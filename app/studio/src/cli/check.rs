@@ -6,7 +6,7 @@ mod planning;
 use std::path::PathBuf;
 
 use relievo_engine::Engine;
-use relievo_engine::project::{Extrude, Layer, LayerId, LayerKind, Project};
+use relievo_engine::project::{Extrude, Layer, LayerId, LayerKind, Project, quote};
 use relievo_engine::raster::RasterInfo;
 use relievo_engine::raster::crs::Crs;
 use relievo_engine::{OpenFeatures, SourceState};
@@ -152,7 +152,8 @@ fn of_layer(
             Severity::Warning,
             format!("{place}/kind"),
             format!(
-                "expected imagery, height, noise, tint or vector, found {kind:?}: the layer has no effect"
+                "expected imagery, height, noise, tint or vector, found {}: the layer has no effect",
+                quote(kind)
             ),
             "open the project with a newer Relievo, or remove the layer",
             Vec::new(),

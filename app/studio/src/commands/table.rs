@@ -225,7 +225,7 @@ pub const TABLE: &[Entry] = &[
         Command::GoTo,
         Menu::View,
         "Go to…",
-        "Fly to coordinates",
+        "Fly to a place by its name, or to coordinates",
         &[keys(CTRL, Key::G)],
     ),
     entry(

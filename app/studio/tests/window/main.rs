@@ -1,4 +1,4 @@
-//! The window as people use it, without a GPU.
+//! The window as people use it.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -6,3 +6,4 @@ mod basics;
 mod drawing;
 mod panes;
 mod shared;
+mod tutorial;

@@ -1,11 +1,11 @@
-//! A window on a project, without a GPU.
+//! A window on a project, mostly without a GPU.
 
 use std::path::PathBuf;
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, vec2};
-use egui_kittest::Harness;
+use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
 use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, HarnessBuilder};
 use relievo::window::{Studio, StudioOptions};
 use relievo_engine::project::{Layer, LayerKind};
 
@@ -30,6 +30,12 @@ impl Window {
         Self::start(folder, file, true)
     }
 
+    /// A window that draws the planet, on the machine's graphics device or in software.
+    pub(crate) fn open_drawn(folder: tempfile::TempDir, file: PathBuf) -> Self {
+        let builder = Harness::builder().with_size(vec2(1280.0, 800.0)).wgpu();
+        Self::start_in(folder, file, true, builder)
+    }
+
     /// The next run on the same file.
     pub(crate) fn again(self) -> Self {
         let Self {
@@ -43,6 +49,16 @@ impl Window {
 
     /// A window with a list of recent projects in the folder; `open`: on the file.
     pub(crate) fn start(folder: tempfile::TempDir, file: PathBuf, open: bool) -> Self {
+        let builder = Harness::builder().with_size(vec2(1200.0, 800.0));
+        Self::start_in(folder, file, open, builder)
+    }
+
+    fn start_in(
+        folder: tempfile::TempDir,
+        file: PathBuf,
+        open: bool,
+        builder: HarnessBuilder<Studio>,
+    ) -> Self {
         let mut studio = Studio::new(StudioOptions {
             threads: Some(1),
             cache_folder: None,
@@ -53,12 +69,10 @@ impl Window {
         if open {
             studio.open_project(&file).unwrap();
         }
-        let harness = Harness::builder()
-            .with_size(vec2(1200.0, 800.0))
-            .build_eframe(|cc| {
-                studio.attach(cc);
-                studio
-            });
+        let harness = builder.build_eframe(|cc| {
+            studio.attach(cc);
+            studio
+        });
         let mut window = Self {
             harness,
             file,
@@ -82,6 +96,22 @@ impl Window {
             std::thread::yield_now();
         }
         panic!("never came: {what}");
+    }
+
+    /// The rectangle of the planet's picture.
+    pub(crate) fn view(&self) -> Rect {
+        self.harness.get_by_label("View of the planet").rect()
+    }
+
+    pub(crate) fn click_at(&mut self, at: Pos2) {
+        self.harness.hover_at(at);
+        self.harness.run_steps(1);
+        self.harness.drag_at(at);
+        self.harness.run_steps(1);
+        self.harness.drop_at(at);
+        self.steps();
+        // So that the next click is no double click.
+        self.harness.run_steps(30);
     }
 
     pub(crate) fn has_button(&self, label: &str) -> bool {
