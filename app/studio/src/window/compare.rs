@@ -214,6 +214,7 @@ impl Studio {
         let Some(frame) = compare.engine.drain(dt_s) else {
             return;
         };
+        self.status.pending += frame.pending + usize::from(compare.engine.is_busy());
         if let Some(stage) = &mut compare.stage {
             if let Err(error) = stage.draw(&frame, true) {
                 self.log

@@ -20,7 +20,7 @@ mod pick;
 mod snap;
 pub(crate) mod view;
 
-use eframe::egui::Pos2;
+use eframe::egui::{Event, PointerButton, Pos2, Ui};
 use relievo_engine::project::{ElementId, Vertex};
 
 pub(crate) use brush::BrushSettings;
@@ -120,4 +120,18 @@ impl Tools {
 /// Vertices that a ring or a line needs.
 pub(crate) fn least_vertices(is_ring: bool) -> usize {
     if is_ring { 3 } else { 2 }
+}
+
+/// Where the main button was let go in this frame. In a slow frame the pointer may have gone on since.
+fn released_at(ui: &Ui) -> Option<Pos2> {
+    let released = |event: &Event| match event {
+        Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed: false,
+            ..
+        } => Some(*pos),
+        _ => None,
+    };
+    ui.input(|i| i.events.iter().rev().find_map(released))
 }

@@ -94,6 +94,25 @@ fn a_click_counts_however_long_the_frame_in_it_takes() {
 }
 
 #[test]
+fn a_click_counts_where_it_was_and_not_where_the_pointer_went_in_the_same_frame() {
+    let mut window = Window::open(PLAIN);
+    window.draw_triangle();
+    let drawn = window.outline();
+    window.press(Modifiers::COMMAND, Key::Z);
+    window.press(Modifiers::NONE, Key::P);
+    for (x, y) in [(-0.2, 0.1), (0.2, 0.1), (0.0, -0.2)] {
+        let at = window.at(x, y);
+        window.harness.hover_at(at);
+        window.harness.drag_at(at);
+        window.harness.drop_at(at);
+        window.harness.hover_at(at + vec2(70.0, 30.0));
+        window.harness.run_steps(4);
+    }
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.outline(), drawn);
+}
+
+#[test]
 fn backspace_takes_the_last_vertex_back_and_escape_everything() {
     let mut window = Window::open(PLAIN);
     window.press(Modifiers::NONE, Key::P);

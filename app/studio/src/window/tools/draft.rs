@@ -35,7 +35,8 @@ impl Studio {
         let double = response.double_clicked_by(PointerButton::Primary);
         if clicked
             && !double
-            && let Some(vertex) = self.tools.next
+            && let Some(at) = super::released_at(ui)
+            && let Some(vertex) = self.vertex_at(rect, at, free)
         {
             let closes = self.tools.tool == Tool::Polygon
                 && self.tools.draft.len() >= super::least_vertices(true)

@@ -19,7 +19,7 @@ impl Studio {
         rect: Rect,
         actions: &mut Vec<Action>,
     ) {
-        let Some(at) = ui.input(|i| i.pointer.interact_pos()) else {
+        let Some(at) = super::released_at(ui) else {
             return;
         };
         let projector = Projector::new(self.document.engine(), self.camera(), rect);
