@@ -214,9 +214,15 @@ fn a_polygon_is_drawn_and_saved_in_the_real_window() {
         (colours.len() > 200).then_some(())
     });
     desk.focus();
-    // The bar above the view tells what the tool does.
-    let bar = || desk.pixels((middle.0, 40), (600, 80));
-    let before = bar();
+    // The bar above the view tells what the tool does: once nothing else changes there, it is the tool.
+    let bar = || desk.pixels((middle.0, 60), (600, 70));
+    let (mut before, mut same) = (bar(), 0);
+    until("a picture at rest", || {
+        let now = bar();
+        same = if now == before { same + 1 } else { 0 };
+        before = now;
+        (same > 20).then_some(())
+    });
     desk.press(&[u32::from(b'p')]);
     until("the tool", || (bar() != before).then_some(()));
     for (x, y) in [(-120, 80), (120, 80), (0, -90)] {
