@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2};
 use egui_kittest::kittest::Queryable;
+use image::DynamicImage;
+use image::codecs::jpeg::JpegEncoder;
 use relievo_engine::project::{Element, ElementKind, Project, SurfaceKind};
 
 use crate::shared::Window;
@@ -73,7 +75,11 @@ impl Tour {
         );
         if let Some(folder) = &self.pictures {
             std::fs::create_dir_all(folder).unwrap();
-            picture.save(folder.join(name)).unwrap();
+            let mut file = std::fs::File::create(folder.join(name)).unwrap();
+            let colours = DynamicImage::ImageRgba8(picture).to_rgb8();
+            JpegEncoder::new_with_quality(&mut file, 88)
+                .encode_image(&colours)
+                .unwrap();
         }
     }
 
@@ -136,7 +142,7 @@ fn platform_height_m(element: &Element) -> f64 {
 #[test]
 fn the_tutorial_leads_from_the_sample_to_two_scenarios_and_their_difference() {
     let mut tour = Tour::start();
-    tour.picture("1-start.png");
+    tour.picture("1-start.jpg");
 
     // A place by its name, then a view of the slope above it.
     tour.window.press(Modifiers::COMMAND, Key::G);
@@ -159,24 +165,24 @@ fn the_tutorial_leads_from_the_sample_to_two_scenarios_and_their_difference() {
         tour.set(field, value);
     }
     tour.window.click("Go");
-    tour.picture("2-above-provo.png");
+    tour.picture("2-above-provo.jpg");
 
     // A platform on the slope.
     tour.window.press(Modifiers::NONE, Key::P);
     tour.click_view(&[(0.42, 0.55), (0.60, 0.55), (0.64, 0.68), (0.40, 0.68)]);
-    tour.picture("3-drawing.png");
+    tour.picture("3-drawing.jpg");
     tour.window.press(Modifiers::NONE, Key::Enter);
     tour.settle();
     let first_m = platform_height_m(&tour.selected());
     assert!((1400.0..1700.0).contains(&first_m), "{first_m} m");
-    tour.picture("4-platform.png");
+    tour.picture("4-platform.jpg");
 
     // A road that leads up to it.
     tour.window.press(Modifiers::NONE, Key::C);
     tour.click_view(&[(0.15, 0.9), (0.3, 0.78), (0.42, 0.66)]);
     tour.window.press(Modifiers::NONE, Key::Enter);
     assert_eq!(tour.project().elements.len(), 2);
-    tour.picture("5-road.png");
+    tour.picture("5-road.jpg");
 
     // Another scenario, with the platform ten metres lower.
     tour.window.harness.get_by_label("Scenarios").click();
@@ -203,14 +209,14 @@ fn the_tutorial_leads_from_the_sample_to_two_scenarios_and_their_difference() {
 
     // Side by side and as a difference.
     tour.window.click("Swipe");
-    tour.picture("6-swipe.png");
+    tour.picture("6-swipe.jpg");
     tour.window.click("Difference");
     tour.window.until("the difference", |w| {
         w.harness
             .query_by_label_contains("Height of Scenario 1 less Base")
             .is_some()
     });
-    tour.picture("7-difference.png");
+    tour.picture("7-difference.jpg");
     tour.window.click("Stop");
 
     // Saved, and the same when it is opened again.
