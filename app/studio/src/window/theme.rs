@@ -63,6 +63,11 @@ fn visuals(theme: Theme) -> Visuals {
     v
 }
 
+/// Ground of the titles of panes that lie behind others.
+pub(crate) fn behind_tabs(visuals: &Visuals) -> Color32 {
+    Color32::from_gray(if visuals.dark_mode { 14 } else { 226 })
+}
+
 /// Ground of a selected row.
 pub(crate) fn selection_fill(visuals: &Visuals) -> Color32 {
     visuals

@@ -13,7 +13,7 @@ use crate::commands::Command;
 use crate::window::action::Action;
 use crate::window::inspector::element::Shown;
 use crate::window::panes::Pane;
-use crate::window::{elements, history, layers, messages, place, scene, statistics, status};
+use crate::window::{elements, history, layers, messages, place, scene, statistics, status, theme};
 
 /// Smallest side of a pane, points.
 const LEAST: f32 = 70.0;
@@ -213,9 +213,7 @@ impl Behavior<Pane> for Docked<'_> {
     }
 
     fn tab_bar_color(&self, visuals: &Visuals) -> egui::Color32 {
-        visuals
-            .faint_bg_color
-            .blend(visuals.extreme_bg_color.gamma_multiply(0.35))
+        theme::behind_tabs(visuals)
     }
 
     fn tab_outline_stroke(
