@@ -157,8 +157,13 @@ impl Studio {
         }
         self.navigation
             .advance(&planet, here_m, &input, f64::from(dt_s));
-        self.navigation.stay_above(self.ground_below_m());
-        if held || self.navigation.is_moving() {
+        let moves = held || self.navigation.is_moving();
+        // Ground that is coarse yet may lie above the place where the viewer stands: whoever does not
+        // move waits for what is finer.
+        if moves || (self.status.pending == 0 && self.status.opening == 0) {
+            self.navigation.stay_above(self.ground_below_m());
+        }
+        if moves {
             ui.ctx().request_repaint();
         }
     }

@@ -226,3 +226,23 @@ fn the_tutorial_leads_from_the_sample_to_two_scenarios_and_their_difference() {
     let again = tour.window.again();
     assert_eq!(again.harness.state().document().project(), &saved);
 }
+
+#[test]
+fn a_viewer_near_the_ground_stays_there_while_the_ground_gets_finer() {
+    let (folder, file) = sample();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let start = text.find("\"camera\"").unwrap();
+    let end = start + text[start..].find('}').unwrap() + 1;
+    // 195 m above a valley floor, below what five minutes of arc make of the mountains beside it.
+    let camera = r#""camera": {"lon_deg": -111.6395, "lat_deg": 40.2575, "altitude_m": 1650.0,
+        "heading_deg": 45.0, "pitch_deg": -14.0}"#;
+    let text = format!("{}{camera}{}", &text[..start], &text[end..]);
+    std::fs::write(&file, text).unwrap();
+    let mut window = Window::start(folder, file, true);
+    window.until("the ground", |w| {
+        w.harness.query_by_label("complete").is_some()
+    });
+    window.steps();
+    let altitude_m = window.harness.state().camera().altitude_m;
+    assert!((altitude_m - 1650.0).abs() < 1e-6, "{altitude_m}");
+}
