@@ -8,9 +8,11 @@ use core::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3};
 use parking_lot::Mutex;
 use relievo_planet::MapPoint;
-use relievo_project::{Label as LabelStyle, LayerId, LayerKind};
+use relievo_project::{Label as LabelStyle, Layer, LayerId, LayerKind};
+use relievo_vector::Features;
 use relievo_vector::labels::{Label, labels};
 
+use crate::masses::making::body_height_m;
 use crate::sources::SourceState;
 use crate::{Engine, View};
 
@@ -63,6 +65,8 @@ struct Candidate<'a> {
     layer: &'a LayerId,
     style: &'a LabelStyle,
     label: &'a Label,
+    /// Height over the ground at its place, metres, without exaggeration: that of a body's roof.
+    above_m: f64,
     /// Position in the order of layers, the top one first.
     rank: usize,
 }
@@ -75,7 +79,7 @@ impl Engine {
     /// Files that are still being opened have none yet. Call it from the thread that drains.
     pub fn labels(&self, view: &View) -> Vec<PlacedLabel> {
         let mut used = Vec::new();
-        let mut of_layers: Vec<(&LayerId, &LabelStyle, Found)> = Vec::new();
+        let mut of_layers: Vec<(&Layer, Arc<Features>, &LabelStyle, Found)> = Vec::new();
         let frame = Picture::new(self, view);
         let project = self.project();
         let layers = project.layers_in(project.scenario.as_ref());
@@ -105,7 +109,7 @@ impl Engine {
             let found = known
                 .entry(key.clone())
                 .or_insert_with(|| Arc::new(labels(&open.features, &style.property)));
-            of_layers.push((&layer.id, style, Arc::clone(found)));
+            of_layers.push((layer, Arc::clone(&open.features), style, Arc::clone(found)));
             used.push(key);
         }
         self.label_cache
@@ -115,17 +119,29 @@ impl Engine {
         let candidates = of_layers
             .iter()
             .enumerate()
-            .flat_map(|(rank, (layer, style, labels))| {
+            .flat_map(|(rank, (layer, features, style, labels))| {
                 labels.iter().map(move |label| Candidate {
-                    layer,
+                    layer: &layer.id,
                     style,
                     label,
+                    above_m: roof_m(layer, features, label.feature),
                     rank,
                 })
             })
             .take(LOOKED_AT);
         frame.place(candidates)
     }
+}
+
+/// How high a feature's roof is above the ground, metres; 0 where it lies flat.
+fn roof_m(layer: &Layer, features: &Features, feature: u32) -> f64 {
+    let LayerKind::Vector(vector) = &layer.kind else {
+        return 0.0;
+    };
+    let extrude = vector.style.extrude.as_ref();
+    extrude
+        .and_then(|e| body_height_m(e, features, feature as usize))
+        .unwrap_or(0.0)
 }
 
 /// What a text is placed on.
@@ -176,8 +192,8 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Where the picture shows a place of the ground; `None` where it is outside or hidden.
-    fn pixel(&self, at: MapPoint) -> Option<DVec2> {
+    /// Where the picture shows a place so high above the ground; `None` where it is outside or hidden.
+    fn pixel(&self, at: MapPoint, above_m: f64) -> Option<DVec2> {
         let up = at.to_unit();
         // What lies below the horizon of the bare ball, mountains' share included.
         let highest_m = 10_000.0 * self.exaggeration;
@@ -188,8 +204,8 @@ impl<'a> Picture<'a> {
         if cos_between < libm::cos(horizon.min(core::f64::consts::PI)) {
             return None;
         }
-        let ground_m = self.engine.ground_m(at) * self.exaggeration;
-        let place = up * (self.radius_m + ground_m);
+        let height_m = (self.engine.ground_m(at) + above_m) * self.exaggeration;
+        let place = up * (self.radius_m + height_m);
         let v = place - self.eye;
         let depth = v.dot(self.forward);
         if depth <= 0.0 {
@@ -201,9 +217,9 @@ impl<'a> Picture<'a> {
     }
 
     /// Whether the ground hides a place that the picture would show.
-    fn is_hidden(&self, at: MapPoint) -> bool {
-        let ground_m = self.engine.ground_m(at) * self.exaggeration;
-        let v = at.to_unit() * (self.radius_m + ground_m) - self.eye;
+    fn is_hidden(&self, at: MapPoint, above_m: f64) -> bool {
+        let height_m = (self.engine.ground_m(at) + above_m) * self.exaggeration;
+        let v = at.to_unit() * (self.radius_m + height_m) - self.eye;
         let distance_m = v.length();
         let Some((met, height_m)) = self.engine.cast(self.eye, v / distance_m) else {
             return false;
@@ -225,7 +241,7 @@ impl<'a> Picture<'a> {
             rank = candidate.rank;
             let lonlat = candidate.label.lonlat_rad;
             let at = MapPoint::new(lonlat.x, FRAC_PI_2 - lonlat.y).normalised();
-            let Some(px) = self.pixel(at) else {
+            let Some(px) = self.pixel(at, candidate.above_m) else {
                 continue;
             };
             let size_px = candidate.style.size_px;
@@ -237,7 +253,7 @@ impl<'a> Picture<'a> {
                 );
             let own = [px - half, px + half];
             let meets = |b: &[DVec2; 2]| own[0].cmplt(b[1]).all() && b[0].cmplt(own[1]).all();
-            if boxes.iter().any(meets) || self.is_hidden(at) {
+            if boxes.iter().any(meets) || self.is_hidden(at, candidate.above_m) {
                 continue;
             }
             boxes.push(own);

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use relievo_engine::planet::{Camera, MapPoint};
 use relievo_engine::project::{
-    Edit, Label, Layer, LayerId, LayerKind, Project, VectorLayer, VectorStyle, Width,
+    Edit, Extrude, Label, Layer, LayerId, LayerKind, Project, VectorLayer, VectorStyle, Width,
 };
 use relievo_engine::raster::Cancel;
 use relievo_engine::{Engine, EngineOptions, Severity, SourceState, View};
@@ -197,4 +197,29 @@ fn labels_keep_apart_and_the_important_win() {
     };
     engine.apply(hide).unwrap();
     assert_eq!(engine.labels(&view(8.5)), []);
+}
+
+#[test]
+fn a_text_stands_on_the_roof_of_its_body() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("zones.geojson");
+    fs::write(&file, boxes(&[(9.0, 47.0, "A", 5)])).unwrap();
+    let mut engine = engine(folder.path());
+    converge(&mut engine);
+    let place = |engine: &Engine| engine.labels(&view(8.5))[0].centre_px.x - 200.0;
+    let flat = place(&engine);
+    let mut style = match &engine.project().layers[0].kind {
+        LayerKind::Vector(vector) => vector.style.clone(),
+        other => panic!("expected features, found {}", other.name()),
+    };
+    style.extrude = Some(Extrude::HeightM(100_000.0));
+    let edit = Edit::SetVectorStyle {
+        id: LayerId::from("zones"),
+        style: Box::new(style),
+    };
+    engine.apply(edit).unwrap();
+    converge(&mut engine);
+    // A quarter of the way to the eye is a third farther from the middle of the picture.
+    let share = place(&engine) / flat;
+    assert!((share - 4.0 / 3.0).abs() < 0.03, "{share}");
 }

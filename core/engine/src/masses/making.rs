@@ -332,12 +332,7 @@ fn make(job: &Job, cancel: &Cancel) -> Option<Arc<MassMesh>> {
         if cancel.is_cancelled() {
             return None;
         }
-        let height_m = match &job.extrude {
-            Extrude::HeightM(height_m) => Some(*height_m),
-            Extrude::Property(name) => job.features.property(feature, name).as_number(),
-        };
-        // A height that is no number, or none above the ground, is no body.
-        let Some(height_m) = height_m.filter(|h| *h > 0.0 && *h <= HIGHEST_M) else {
+        let Some(height_m) = body_height_m(&job.extrude, &job.features, feature) else {
             continue;
         };
         let standing = Standing {
@@ -357,6 +352,16 @@ fn colour_of(style: &Style, features: &Features, feature: usize) -> [u8; 3] {
     });
     let fill = class.and_then(|class| class.fill).or(style.fill);
     fill.map_or(PLASTER, |[r, g, b, _]| [r, g, b].map(colour::to_u8))
+}
+
+/// How high a feature stands above the ground, metres; `None` without a body: where the height is no
+/// number, or none above the ground.
+pub(crate) fn body_height_m(extrude: &Extrude, features: &Features, feature: usize) -> Option<f64> {
+    let height_m = match extrude {
+        Extrude::HeightM(height_m) => Some(*height_m),
+        Extrude::Property(name) => features.property(feature, name).as_number(),
+    };
+    height_m.filter(|h| *h > 0.0 && *h <= HIGHEST_M)
 }
 
 /// Heights of the evaluated ground of a cell.
