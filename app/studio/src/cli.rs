@@ -8,6 +8,8 @@ mod bake;
 mod cache;
 mod check;
 mod compare;
+mod export;
+mod features;
 mod info;
 mod measure;
 mod new;
@@ -67,6 +69,7 @@ enum Command {
     New(new::Arguments),
     Apply(apply::Arguments),
     Compare(compare::Arguments),
+    Export(export::Arguments),
     Profile(measure::profile::Arguments),
     Contours(measure::contours::Arguments),
     Viewshed(measure::viewshed::Arguments),
@@ -203,6 +206,7 @@ fn carry_out(
         (None, Some(Command::New(a))) => new::run(&a, context),
         (None, Some(Command::Apply(a))) => apply::run(&a, context),
         (None, Some(Command::Compare(a))) => compare::run(&a, context),
+        (None, Some(Command::Export(a))) => export::run(&a, context),
         (None, Some(Command::Profile(a))) => measure::profile::run(&a, context),
         (None, Some(Command::Contours(a))) => measure::contours::run(&a, context),
         (None, Some(Command::Viewshed(a))) => measure::viewshed::run(&a, context),

@@ -134,7 +134,7 @@ fn sight_and_water_are_summed_up_and_drawn() {
         "--at",
         "10,5",
         "--radius",
-        "5000",
+        "2000",
         "--spacing",
         "100",
         "-o",
@@ -142,8 +142,42 @@ fn sight_and_water_are_summed_up_and_drawn() {
     ]));
     let (visible, area) = (number(&seen["visible_m2"]), number(&seen["area_m2"]));
     assert!(visible > 0.0 && visible <= area);
-    assert!((area / (core::f64::consts::PI * 25e6) - 1.0).abs() < 0.05);
+    assert!((area / (core::f64::consts::PI * 4e6) - 1.0).abs() < 0.05);
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
+    let world = std::fs::read_to_string(picture.with_extension("pgw")).unwrap();
+    let world: Vec<f64> = world.lines().map(|l| l.parse().unwrap()).collect();
+    // 20 samples of 100 m to each side of the observer's.
+    assert_eq!(world, [100.0, 0.0, 0.0, -100.0, -2000.0, 2000.0]);
+    let system = std::fs::read_to_string(picture.with_extension("prj")).unwrap();
+    assert!(
+        system.contains("Azimuthal_Equidistant") && system.contains("\"Central_Meridian\",10"),
+        "{system}"
+    );
+
+    let raster = folder.path().join("seen.tif");
+    let name = raster.to_str().unwrap();
+    let asked = [
+        "viewshed",
+        &project,
+        "--at",
+        "10,5",
+        "--radius",
+        "2000",
+        "--spacing",
+        "100",
+        "-o",
+        name,
+    ];
+    assert_eq!(json(&good(&asked)), seen);
+    let file = json(&good(&["info", name, "--json"]));
+    assert!(
+        file["crs"].as_str().unwrap().contains("+proj=aeqd"),
+        "{file}"
+    );
+    assert_eq!(
+        (&file["width"], &file["extent"]["west"]),
+        (&Value::from(41), &Value::from(-2050.0))
+    );
 
     let basin = basin(folder.path());
     let shore = folder.path().join("shore.geojson");
@@ -174,6 +208,33 @@ fn sight_and_water_are_summed_up_and_drawn() {
         Some(1),
         "{drawn}"
     );
+    assert_eq!(drawn["features"][0]["geometry"]["type"], "Polygon");
+
+    let depths = folder.path().join("depth.tif");
+    let name = depths.to_str().unwrap();
+    let asked = [
+        "flood",
+        &basin,
+        "--at",
+        "10.005,5.005",
+        "--level=-15",
+        "-o",
+        name,
+    ];
+    good(&asked);
+    let file = json(&good(&["info", name, "--json"]));
+    // What is wet: 5 m deep on 0.01 by 0.01 degrees, to a sample.
+    for (edge, exact) in [
+        ("west", 10.0),
+        ("south", 5.0),
+        ("east", 10.01),
+        ("north", 5.01),
+    ] {
+        assert!(
+            (number(&file["extent"][edge]) - exact).abs() < 5e-4,
+            "{file}"
+        );
+    }
 
     let ground = number(&json(&good(&["sample", &project, "--at", "10,5"]))["height_m"]);
     let dry = format!("{}", ground - 100.0);
@@ -182,6 +243,122 @@ fn sight_and_water_are_summed_up_and_drawn() {
         code == 2 && line.contains("below the water level"),
         "{line}"
     );
+}
+
+/// A platform in a scenario, a road and strokes, on level ground.
+fn works(folder: &Path) -> String {
+    let path = folder.join("works.relievo");
+    let project = r#"{"version": 1, "elements": [
+        {"id": "road", "name": "Road", "kind": "corridor", "line": [[10, 5, 3], [10.01, 5, 3]],
+         "profile": {"type": "heights"}, "section": {"type": "road", "width_m": 8}},
+        {"id": "away", "name": "Away", "kind": "polygon", "visible": false,
+         "outline": [[11, 5], [11.01, 5], [11.01, 5.01]], "surface": {"type": "tin"}},
+        {"id": "hill", "name": "Hill", "kind": "brush", "strokes": [
+          {"tool": "raise", "strength_m": 2, "radius_m": 50, "points": [[10.02, 5], [10.03, 5]]}]}],
+      "scenarios": [{"id": "s1", "name": "Pad", "changes": [{"change": "add", "element":
+        {"id": "pad", "name": "Pad", "kind": "polygon", "outline": [[179.999, 5.1], [180.001, 5.1],
+         [180.001, 5.101], [179.999, 5.101]], "surface": {"type": "platform", "height_m": 2},
+         "side": {"fill_slope": 0.5}}}]}]}"#;
+    std::fs::write(&path, project).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn elements_and_their_daylight_lines_are_exported_with_names_and_heights() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = works(folder.path());
+    let export = |what: &str, file: &str, scenario: &str| {
+        let path = folder.path().join(file);
+        let name = path.to_str().unwrap();
+        let asked = [
+            "export",
+            &project,
+            "-o",
+            name,
+            "--what",
+            what,
+            "--scenario",
+            scenario,
+        ];
+        good(&asked);
+        path
+    };
+    let read = |path: &Path| json(&std::fs::read_to_string(path).unwrap());
+    let found = read(&export("elements", "base.geojson", "base"));
+    let features = found["features"].as_array().unwrap();
+    let names: Vec<&Value> = features.iter().map(|f| &f["properties"]["name"]).collect();
+    assert_eq!(names, ["Road", "Hill"], "what is hidden takes no part");
+    assert_eq!(features[0]["properties"]["width_m"], 8.0);
+    assert_eq!(
+        features[0]["geometry"]["coordinates"],
+        serde_json::json!([[10.0, 5.0, 3.0], [10.01, 5.0, 3.0]])
+    );
+    assert_eq!(features[1]["properties"]["tool"], "raise");
+    let raised = number(&features[1]["geometry"]["coordinates"][0][2]);
+    assert!((raised - 2.0).abs() < 0.01, "{raised}");
+
+    let found = read(&export("elements", "pad.geojson", "Pad"));
+    let pad = &found["features"][2];
+    assert_eq!(pad["properties"]["surface"], "platform");
+    assert_eq!(
+        pad["geometry"]["type"], "MultiPolygon",
+        "cut at the antimeridian"
+    );
+    assert_eq!(pad["geometry"]["coordinates"][0][0][0][2], 2.0);
+
+    let found = read(&export("daylight", "daylight.geojson", "Pad"));
+    let lines = found["features"].as_array().unwrap();
+    let of_pad = lines
+        .iter()
+        .find(|f| f["properties"]["id"] == "pad")
+        .unwrap();
+    assert_eq!(of_pad["properties"]["ending"], "meets the ground");
+    // 2 m of fill at 1 in 2 meet level ground 4 m beside: 0.0000362° of latitude.
+    let coordinates = of_pad["geometry"]["coordinates"].to_string();
+    assert!(
+        coordinates.contains("5.0999638") || coordinates.contains("5.099963"),
+        "{coordinates}"
+    );
+
+    let package = export("elements", "pad.gpkg", "Pad");
+    let file = json(&good(&["info", package.to_str().unwrap(), "--json"]));
+    assert_eq!(file["features"], 3, "{file}");
+
+    let (code, _, line) = relievo(&["export", &project, "-o", "x.geojson", "--what", "contours"]);
+    assert!(
+        code == 2 && line.contains("--bounds and --interval"),
+        "{line}"
+    );
+}
+
+#[test]
+fn a_profile_is_a_line_with_heights_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = hills(folder.path());
+    let path = folder.path().join("line.geojson");
+    let name = path.to_str().unwrap();
+    let line = [
+        "profile",
+        &project,
+        "--line",
+        "179.9,5;-179.9,5",
+        "--spacing",
+        "500",
+    ];
+    let sums = json(&good(&[&line[..], &["-o", name]].concat()));
+    let found = json(&std::fs::read_to_string(&path).unwrap());
+    let parts = found["features"][0]["geometry"]["coordinates"]
+        .as_array()
+        .unwrap();
+    assert_eq!(parts.len(), 2, "cut at the antimeridian");
+    let points: usize = parts.iter().map(|p| p.as_array().unwrap().len()).sum();
+    // The cut adds an end to each part.
+    assert_eq!(points, number(&sums["points"]) as usize + 2);
+    let heights = parts.iter().flat_map(|p| p.as_array().unwrap());
+    let highest = heights
+        .map(|p| number(&p[2]))
+        .fold(f64::NEG_INFINITY, f64::max);
+    assert!((highest - number(&sums["highest_m"])).abs() < 1e-3);
 }
 
 #[test]

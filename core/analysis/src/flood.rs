@@ -1,6 +1,7 @@
 //! Still water: what lies below a level and is joined to a place.
 
 mod basin;
+mod water;
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -13,6 +14,8 @@ use crate::map_box::{MapBox, level_at};
 use crate::triangle::positive_part_of_cell;
 
 use basin::Basin;
+
+pub use water::Water;
 
 /// How far around the seed the fineness of the data decides about the whole flood, in radians (1 km on
 /// Earth).
@@ -57,6 +60,8 @@ pub struct Flood {
     pub spacing_m: f64,
     /// Samples under water.
     pub wet_samples: u64,
+    /// How deep it is, sample by sample.
+    pub water: Water,
 }
 
 /// Water that stands at a level and reaches a place.
@@ -88,7 +93,7 @@ pub fn flood(
     let mut basin = Basin::new(ground, level, level_m, settings.max_samples);
     let first = first_wet(&mut basin, seed, level, level_m)?;
     basin.fill(first, watch)?;
-    measure(&mut basin, planet, level, level_m, watch)
+    measure(basin, planet, level, level_m, watch)
 }
 
 /// The sample nearest to the seed that lies under water, among the four around it.
@@ -126,7 +131,7 @@ fn first_wet(
 
 /// Sums over the cells that touch water, and their shore.
 fn measure(
-    basin: &mut Basin,
+    mut basin: Basin,
     planet: Planet,
     level: LevelKey,
     level_m: f64,
@@ -195,6 +200,7 @@ fn measure(
         shore: lines,
         spacing_m: lattice.step.y * planet.meridian_radius_m(FRAC_PI_2 - basin.colat_rad()),
         wet_samples: wet.len() as u64,
+        water: basin.water(),
     })
 }
 

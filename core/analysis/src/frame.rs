@@ -16,7 +16,7 @@ pub struct LocalFrame {
     pub centre: MapPoint,
     planet: Planet,
     measure: Measure,
-    crs: GridCrs,
+    definition: Arc<str>,
 }
 
 impl LocalFrame {
@@ -33,13 +33,13 @@ impl LocalFrame {
             centre,
             planet,
             measure: Measure::new(&planet),
-            crs: GridCrs::Projected(Arc::from(name.as_str())),
+            definition: Arc::from(name),
         }
     }
 
-    /// The frame's name as a proj string.
-    pub fn crs(&self) -> &GridCrs {
-        &self.crs
+    /// The frame as a proj string.
+    pub fn definition(&self) -> &str {
+        &self.definition
     }
 
     /// The planet's figure.
@@ -51,7 +51,7 @@ impl LocalFrame {
     /// shares with its north-western neighbours lies at `corner_m`.
     pub fn lattice(&self, corner_m: DVec2, spacing_m: f64) -> Lattice {
         Lattice {
-            crs: self.crs.clone(),
+            crs: GridCrs::Projected(Arc::clone(&self.definition)),
             origin: corner_m,
             step: DVec2::new(spacing_m, -spacing_m),
             columns_around: None,

@@ -25,7 +25,7 @@ pub mod viewshed;
 pub mod volume;
 
 pub use contours::{ContourLine, ContourSettings, contours};
-pub use flood::{Flood, FloodSettings, flood};
+pub use flood::{Flood, FloodSettings, Water, flood};
 pub use frame::LocalFrame;
 pub use geodesic::{Measure, RingArea};
 pub use ground::{AnalysisError, Ground, Unwatched, Watch};

@@ -78,6 +78,18 @@ fn plain(spacing_m: f64) -> VolumeSettings {
     }
 }
 
+/// A line of the table in `docs/reports/volumes.md`; tests that pass keep it to themselves.
+fn tell(what: &str, found: &Volumes, amount: Amount, exact: f64) {
+    println!(
+        "| {what} | {:.3} m | {} | {:.3} m³ | {:.1e} | {:.1e} |",
+        found.finest_m,
+        found.samples,
+        amount.value,
+        (amount.value / exact - 1.0).abs(),
+        amount.error / exact
+    );
+}
+
 fn within(amount: Amount, exact: f64) {
     let off = (amount.value - exact).abs();
     assert!(
@@ -124,10 +136,13 @@ fn a_platform_on_a_cone_has_its_volume_to_second_order() {
     for spacing_m in [4.0, 2.0, 1.0, 0.5] {
         let found = measure(&before, &after, 40.0, plain(spacing_m));
         within(found.cut_m3, exact);
+        tell("platform on a cone", &found, found.cut_m3, exact);
         errors.push((found.cut_m3.value - exact).abs());
     }
+    println!("order {:.2}", order(&errors));
     assert!(order(&errors) > 1.5, "{errors:?}");
     let fine = measure(&before, &after, 40.0, VolumeSettings::from_spacing(2.0));
+    tell("platform on a cone, halved", &fine, fine.cut_m3, exact);
     within(fine.cut_m3, exact);
     within(fine.net_m3, -exact);
     within(fine.fill_m3, 0.0);
@@ -171,6 +186,7 @@ fn a_square_platform_on_a_plane_has_cut_fill_and_batters_in_closed_form() {
     )
     .unwrap();
     let exact = section_m2 * width_m;
+    tell("platform on a plane, halved", &found, found.cut_m3, exact);
     within(found.cut_m3, exact);
     within(found.fill_m3, exact);
     within(found.net_m3, 0.0);
@@ -205,10 +221,13 @@ fn a_dam_across_a_v_valley_has_its_volume_to_second_order() {
         let found = measure(&before, &after, 70.0, plain(spacing_m));
         within(found.fill_m3, exact);
         within(found.cut_m3, 0.0);
+        tell("dam across a valley", &found, found.fill_m3, exact);
         errors.push((found.fill_m3.value - exact).abs());
     }
+    println!("order {:.2}", order(&errors));
     assert!(order(&errors) > 1.7, "{errors:?}");
     let fine = measure(&before, &after, 70.0, VolumeSettings::from_spacing(3.0));
+    tell("dam across a valley, halved", &fine, fine.fill_m3, exact);
     within(fine.fill_m3, exact);
     within(fine.highest_fill_m, c);
     assert!(fine.fill_m3.error < 2e-3 * exact, "{fine:?}");
@@ -225,6 +244,7 @@ fn walls_converge_too_and_say_how_well() {
     let after = flat(move |p: DVec2| if inside(p) { 40.0 } else { 50.0 });
     let exact = 10.0 * 34.6 * 18.2;
     let found = measure(&before, &after, 30.0, VolumeSettings::from_spacing(1.0));
+    tell("box with walls, askew, halved", &found, found.cut_m3, exact);
     within(found.cut_m3, exact);
     within(found.plan_area_m2, 34.6 * 18.2);
     assert!(found.cut_m3.error < 0.02 * exact, "{found:?}");
@@ -341,6 +361,7 @@ fn at_a_pole_and_across_the_antimeridian_volumes_are_those_of_elsewhere() {
         cut(&over_pole, &away),
         cut(&seam, &beyond),
     ] {
+        tell("platform on a cone at a pole", &found, found.cut_m3, exact);
         within(found.cut_m3, exact);
         within(found.plan_area_m2, PI * libm::pow(30.0 + 1.0 / 0.6, 2.0));
         assert!(found.cut_m3.error < 5e-3 * exact, "{found:?}");

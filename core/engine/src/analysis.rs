@@ -19,7 +19,7 @@ pub use relievo_analysis::{
 };
 
 pub use self::compare::{Comparison, ComparisonReport, ElementChange, Step, Version};
-pub(crate) use self::ground::SceneGround;
+pub(crate) use self::ground::{SceneGround, failed};
 pub use self::pictures::{DIFFERENCE_COLOURS, Picture, SitePictures};
 use crate::query::Questions;
 

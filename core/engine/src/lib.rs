@@ -11,6 +11,7 @@ mod element_answers;
 mod element_colours;
 mod elements;
 pub mod engine;
+pub mod export;
 pub mod frame;
 pub mod histogram;
 mod labels;

@@ -1,7 +1,10 @@
 //! Features into files: GeoJSON and GeoPackage, in longitude and latitude of WGS 84.
 //!
+//! Longitudes may go on beyond ±180, neighbours less than 180° apart: what crosses the antimeridian is
+//! cut there.
 //! A file appears under its name when it is whole: it is written beside it and renamed.
 
+mod cut;
 mod geojson;
 mod geopackage;
 

@@ -2,7 +2,6 @@
 
 pub(crate) mod contours;
 pub(crate) mod flood;
-mod geojson;
 pub(crate) mod profile;
 pub(crate) mod viewshed;
 
@@ -10,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use relievo_engine::Engine;
 use relievo_engine::analysis::{AnalysisError, Task};
+use relievo_engine::raster::write::WriteError;
 
 use super::progress::Progress;
 use super::{Context, Failure, project};
@@ -80,4 +80,12 @@ pub(crate) fn check_extension(file: &Path, known: &[&str]) -> Result<String, Fai
         "expected a name that ends in .{}, found {file:?}",
         known.join(" or .")
     )))
+}
+
+/// Why a raster was not written.
+pub(crate) fn unwritten(error: WriteError) -> Failure {
+    match error {
+        WriteError::Cancelled => Failure::Cancelled,
+        other => Failure::system(other),
+    }
 }

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use glam::I64Vec2;
 use relievo_planet::{Grid, Lattice, LevelKey, SampleRect};
 
+use super::water::Water;
 use crate::ground::{AnalysisError, Ground, Watch, go_on};
 
 /// Samples along a side of a tile.
-const TILE: i64 = 128;
+pub(super) const TILE: i64 = 128;
 
 /// Samples of a tile.
 const SAMPLES: usize = (TILE * TILE) as usize;
@@ -75,6 +76,28 @@ impl<'a> Basin<'a> {
             }
         }
         nodes
+    }
+
+    /// What is under water.
+    pub(super) fn water(self) -> Water {
+        let depths = |tile: Tile| -> Vec<f32> {
+            let mut depths = tile.heights;
+            for (index, depth) in depths.iter_mut().enumerate() {
+                let is_wet = tile.wet[index / 64] >> (index % 64) & 1 == 1;
+                *depth = if is_wet {
+                    (self.level_m - f64::from(*depth)) as f32
+                } else {
+                    f32::NAN
+                };
+            }
+            depths
+        };
+        let wet = self.tiles.into_iter();
+        let wet = wet.filter(|(_, tile)| tile.wet.iter().any(|bits| *bits != 0));
+        Water::new(
+            self.level,
+            wet.map(|(key, tile)| (key, depths(tile))).collect(),
+        )
     }
 
     /// Colatitude of the middle of the water's northernmost tile.

@@ -70,11 +70,16 @@ pub struct Comparison {
     measured: [Arc<Scene>; 2],
     /// Both versions with all they have.
     pub(super) shown: [Arc<Scene>; 2],
+    /// Both versions' ground alone, whose fineness is the data's.
+    bare: [Arc<Scene>; 2],
     steps: Vec<Planned>,
     sites: Vec<MapBox>,
     widths: Widths,
     notes: Vec<String>,
 }
+
+/// How many times more sparsely than it should a measurement may begin at most.
+const COARSEST: f64 = 1e9;
 
 /// A step that is to be measured.
 struct Planned {
@@ -191,6 +196,7 @@ impl Engine {
         Ok(Comparison {
             names: [a.name(project), b.name(project)],
             planet,
+            bare: [&first, &last].map(&scene),
             measured: [
                 scene(&with_elements(&first, from.clone())),
                 scene(&with_elements(&last, to.clone())),
@@ -312,13 +318,19 @@ impl Comparison {
             widths: &self.widths,
             coarser: 1.0,
         };
-        let data_m = scenes
+        let data_m = self
+            .bare
             .iter()
             .map(|scene| pair.ground(scene).finest_level(site))
             .map(|n| LevelKey::new(0, n).step_rad().y * self.planet.radius_m)
             .fold(f64::INFINITY, f64::min);
-        let finest_m = settings.spacing_m.min(data_m).max(FINEST_M);
         let height_m = (site.south_colat_rad - site.north_colat_rad) * self.planet.radius_m;
+        // Ground without data has no spacing of its own.
+        let finest_m = settings
+            .spacing_m
+            .min(data_m)
+            .min(height_m / 32.0)
+            .max(FINEST_M);
         loop {
             let spacing_m = finest_m * pair.coarser;
             let settings = VolumeSettings {
@@ -327,7 +339,7 @@ impl Comparison {
             };
             match volumes(&pair, site, &settings, task) {
                 // Too large an area for so fine a beginning; halving finds what matters.
-                Err(AnalysisError::Refused(_)) if spacing_m < height_m => pair.coarser *= 2.0,
+                Err(AnalysisError::Refused(_)) if pair.coarser < COARSEST => pair.coarser *= 2.0,
                 result => return Ok((result?, pair.coarser)),
             }
         }

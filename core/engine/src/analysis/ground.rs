@@ -50,7 +50,7 @@ impl Ground for SceneGround<'_> {
 }
 
 /// A graph's error as a measurement's.
-pub(super) fn failed(error: RenderError) -> AnalysisError {
+pub(crate) fn failed(error: RenderError) -> AnalysisError {
     match error {
         RenderError::Cancelled => AnalysisError::Cancelled,
         error @ (RenderError::Read(_) | RenderError::Node { .. }) => {

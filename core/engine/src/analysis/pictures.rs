@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use relievo_analysis::{AnalysisError, LocalFrame, MapBox};
 use relievo_graph::NodeIndex;
-use relievo_planet::{Grid, MapPoint, Planet, SampleRect};
+use relievo_planet::{Grid, GridCrs, Lattice, MapPoint, Planet, SampleRect};
 use relievo_raster::colour::to_u8;
 use relievo_raster::{Block, Cancel};
 
@@ -69,13 +69,11 @@ impl SitePictures {
         width: u32,
         cancel: &Cancel,
     ) -> Result<Self, AnalysisError> {
-        let (frame, [min_m, max_m]) = plan(area, planet);
-        let size_m = max_m - min_m;
+        let plan = Plan::of(area, planet);
         let width = width.clamp(1, WIDEST);
-        let spacing_m = size_m.x / f64::from(width);
-        let height = ((size_m.y / spacing_m).round() as u32).clamp(1, WIDEST);
-        let corner_m = DVec2::new(min_m.x, max_m.y);
-        let lattice = frame.lattice(corner_m, spacing_m);
+        let spacing_m = plan.size_m.x / f64::from(width);
+        let height = ((plan.size_m.y / spacing_m).round() as u32).clamp(1, WIDEST);
+        let lattice = plan.lattice(DVec2::new(f64::from(width), f64::from(height)));
         let rect = SampleRect::at(0, 0, i64::from(width), i64::from(height));
         let grid = Grid::new(Arc::new(lattice), rect);
         let view = |scene: &Scene| View::of(scene, &grid, cancel);
@@ -99,55 +97,74 @@ impl SitePictures {
                 PLAIN
             }
         });
-        let middle = frame.place(0.5 * (min_m + max_m));
         Ok(Self {
             a: a.picture(width, height, |i| a.colour(i)),
             b: b.picture(width, height, |i| b.colour(i)),
             difference,
             range_m,
-            width_m: size_m.x,
-            centre_deg: middle.to_degrees(),
+            width_m: plan.size_m.x,
+            centre_deg: plan.centre.to_degrees(),
         })
     }
 }
 
-/// A frame for an area, and its south-western and north-eastern corners there.
-fn plan(area: &MapBox, planet: Planet) -> (LocalFrame, [DVec2; 2]) {
-    let [north, south] = [area.north_colat_rad, area.south_colat_rad];
-    let height_rad = south - north;
-    if area.width_rad() > PI {
-        // Around a pole, which is in the middle.
-        let (pole, reach_rad) = if north < PI - south {
-            (0.0, south)
-        } else {
-            (PI, PI - north)
-        };
-        let half_m = DVec2::splat(reach_rad.min(FRAC_PI_2) * planet.radius_m);
-        let frame = LocalFrame::new(planet, MapPoint::new(area.west_rad, pole));
-        return (frame, [-half_m, half_m]);
+/// What a picture shows.
+struct Plan {
+    area: MapBox,
+    /// Around a pole a frame in which that is in the middle; elsewhere the map itself.
+    frame: Option<LocalFrame>,
+    centre: MapPoint,
+    /// Metres across and down, in the middle.
+    size_m: DVec2,
+}
+
+impl Plan {
+    fn of(area: &MapBox, planet: Planet) -> Self {
+        let [north, south] = [area.north_colat_rad, area.south_colat_rad];
+        if area.width_rad() > PI {
+            let (pole, reach_rad) = if north < PI - south {
+                (0.0, south)
+            } else {
+                (PI, PI - north)
+            };
+            let centre = MapPoint::new(area.west_rad, pole);
+            return Self {
+                area: *area,
+                frame: Some(LocalFrame::new(planet, centre)),
+                centre,
+                size_m: DVec2::splat(2.0 * reach_rad.min(FRAC_PI_2) * planet.radius_m),
+            };
+        }
+        let (lon, colat) = (
+            f64::midpoint(area.west_rad, area.east_rad),
+            f64::midpoint(north, south),
+        );
+        Self {
+            area: *area,
+            frame: None,
+            centre: MapPoint::new(lon, colat).normalised(),
+            size_m: planet.metres_per_radian(colat) * DVec2::new(area.width_rad(), south - north),
+        }
     }
-    let centre = MapPoint::new(
-        f64::midpoint(area.west_rad, area.east_rad),
-        f64::midpoint(north, south),
-    );
-    let frame = LocalFrame::new(planet, centre);
-    // Sides of an area bend: corners alone do not hold them.
-    let shares = (0..9).map(|i| f64::from(i) / 8.0);
-    let sides = shares.flat_map(|s| {
-        let (lon, colat) = (area.west_rad + s * area.width_rad(), north + s * height_rad);
-        [
-            (lon, north),
-            (lon, south),
-            (area.west_rad, colat),
-            (area.east_rad, colat),
-        ]
-    });
-    let (mut min_m, mut max_m) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for (lon_rad, colat_rad) in sides {
-        let at_m = frame.point_m(MapPoint::new(lon_rad, colat_rad));
-        (min_m, max_m) = (min_m.min(at_m), max_m.max(at_m));
+
+    /// So many pixels across and down.
+    fn lattice(&self, pixels: DVec2) -> Lattice {
+        if let Some(frame) = &self.frame {
+            let corner_m = 0.5 * DVec2::new(-self.size_m.x, self.size_m.y);
+            return frame.lattice(corner_m, self.size_m.x / pixels.x);
+        }
+        let area = &self.area;
+        let size = DVec2::new(
+            area.width_rad(),
+            area.south_colat_rad - area.north_colat_rad,
+        );
+        Lattice {
+            crs: GridCrs::Map,
+            origin: DVec2::new(area.west_rad, area.north_colat_rad),
+            step: size / pixels,
+            columns_around: None,
+        }
     }
-    (frame, [min_m, max_m])
 }
 
 /// A version on the grid of a picture.

@@ -6,7 +6,7 @@ use std::path::Path;
 use geojson::{Feature as JsonFeature, GeometryValue, JsonObject, Position as JsonPosition};
 use serde_json::Value as Json;
 
-use super::{Feature, Geometry, Position, closed, finite, io_fault, whole};
+use super::{Feature, Geometry, Position, closed, cut, finite, io_fault, whole};
 use crate::error::Fault;
 use crate::{Value, VectorError};
 
@@ -52,7 +52,7 @@ fn json(feature: &Feature) -> JsonFeature {
             .map(|(i, ring)| line(&closed(ring, i > 0)))
             .collect::<Vec<_>>()
     };
-    let value = match &feature.geometry {
+    let value = match &*cut::within(&feature.geometry) {
         Geometry::Points(points) => match &points[..] {
             [only] => GeometryValue::Point {
                 coordinates: position(only),

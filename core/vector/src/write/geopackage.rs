@@ -1,11 +1,12 @@
 //! GeoPackage 1.3 (OGC 12-128r18): one table of features.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use rusqlite::types::ToSqlOutput;
 use rusqlite::{Connection, ToSql, params_from_iter};
 
-use super::{Feature, Geometry, Position, closed, finite, whole};
+use super::{Feature, Geometry, Position, closed, cut, finite, whole};
 use crate::error::Fault;
 use crate::{Value, VectorError};
 
@@ -81,7 +82,9 @@ fn write(
         f64::NEG_INFINITY,
         f64::NEG_INFINITY,
     ];
-    for p in features.iter().flat_map(|f| f.geometry.positions()) {
+    let geometries: Vec<Cow<'_, Geometry>> =
+        features.iter().map(|f| cut::within(&f.geometry)).collect();
+    for p in geometries.iter().flat_map(|g| g.positions()) {
         bounds = [
             bounds[0].min(p.lon_deg),
             bounds[1].min(p.lat_deg),
@@ -110,8 +113,8 @@ fn write(
         "INSERT INTO {} ({GEOMETRY}{names}) VALUES (?{places})",
         quoted(table)
     ))?;
-    for feature in features {
-        let geometry = Cell::Geometry(blob(&feature.geometry));
+    for (feature, geometry) in features.iter().zip(&geometries) {
+        let geometry = Cell::Geometry(blob(geometry));
         let properties = columns.iter().map(|(property, _, _)| {
             let found = feature.properties.iter().find(|(name, _)| name == property);
             Cell::Value(found.map_or(Value::Null, |(_, value)| value.clone()))

@@ -4,11 +4,12 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use relievo_engine::analysis::{Profile, ProfileSettings};
+use relievo_engine::export::profile_features;
 use relievo_engine::planet::MapPoint;
 
 use super::super::scenario::Scenario;
 use super::super::units::{self, Line};
-use super::super::{Context, Failure, project};
+use super::super::{Context, Failure, features, project};
 use super::{deliver, measured};
 
 /// Measure heights along a line.
@@ -29,14 +30,14 @@ pub(crate) struct Arguments {
     /// Metres between points. Default: the spacing of the data under each part of the line.
     #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = units::positive)]
     spacing: Option<f64>,
-    /// The table to write. Default: standard output.
-    #[arg(short = 'o', value_name = "OUT.csv")]
+    /// The table to write, or the line with its heights. Default: the table to standard output.
+    #[arg(short = 'o', value_name = "OUT.csv|OUT.geojson|OUT.gpkg")]
     file: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
     if let Some(file) = &arguments.file {
-        super::check_extension(file, &["csv"])?;
+        super::check_extension(file, &[&["csv"], &features::EXTENSIONS[..]].concat())?;
     }
     let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     let line: Vec<MapPoint> = arguments
@@ -52,14 +53,17 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let found = measured("profile", &arguments.project, context, |task| {
         engine.questions().profile(&line, &settings, task)
     })?;
-    let table = csv(&found);
-    deliver(
-        table.as_bytes(),
-        arguments.file.as_ref(),
-        &arguments.project,
-        &engine,
-        context,
-    )?;
+    let is_table = |file: &PathBuf| {
+        file.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+    };
+    let (read, file) = (&arguments.project, arguments.file.as_ref());
+    if file.is_none_or(is_table) {
+        deliver(csv(&found).as_bytes(), file, read, &engine, context)?;
+    } else {
+        let line = profile_features(&found);
+        features::deliver(&line, "profile", file, read, &engine, context)?;
+    }
     if arguments.file.is_some() {
         writeln!(context.out, "{}", summary(&found))?;
     }

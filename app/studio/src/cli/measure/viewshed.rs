@@ -2,22 +2,23 @@
 
 use std::path::PathBuf;
 
-use relievo_engine::analysis::{Sight, Viewshed, ViewshedSettings};
+use relievo_engine::analysis::ViewshedSettings;
+use relievo_engine::export::write_viewshed;
 use relievo_engine::planet::MapPoint;
-use relievo_engine::raster::write::{Png, write_png};
-use relievo_engine::raster::{Bands, Block};
 use serde_json::json;
 
 use super::super::scenario::Scenario;
 use super::super::units::{self, Place};
 use super::super::{Context, Failure, project};
-use super::{measured, threads};
+use super::{measured, threads, unwritten};
 
 /// Show what can be seen from a place.
 ///
 /// Every sample within the radius has a line of sight of its own over the ground at the data's
-/// resolution, with the curvature of the planet and refraction. Prints areas as JSON; with -o a picture is
-/// written, north up and the place in the middle: yellow what is seen, dark what is hidden.
+/// resolution, with the curvature of the planet and refraction. Prints areas as JSON. With -o it is written,
+/// north up and the place in the middle, in metres around it: as a GeoTIFF with 1 where one sees and 0 where
+/// not, or as a picture with a world file (.pgw) and its system (.prj), yellow what is seen, dark what is
+/// hidden.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// The project.
@@ -58,14 +59,14 @@ pub(crate) struct Arguments {
     /// Metres between samples. Default: the spacing of the data.
     #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = units::positive)]
     spacing: Option<f64>,
-    /// The picture to write.
-    #[arg(short = 'o', value_name = "OUT.png")]
+    /// The raster or picture to write.
+    #[arg(short = 'o', value_name = "OUT.tif|OUT.png")]
     file: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
     if let Some(file) = &arguments.file {
-        super::check_extension(file, &["png"])?;
+        super::check_extension(file, &["png", "tif", "tiff"])?;
     }
     let engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
     if let Some(file) = &arguments.file {
@@ -84,7 +85,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         engine.questions().viewshed(observer, &settings, task)
     })?;
     if let Some(file) = &arguments.file {
-        write_png(file, &picture(&found), Png::Rgba8).map_err(Failure::system)?;
+        write_viewshed(&found, file, context.cancel).map_err(unwritten)?;
     }
     let line = json!({
         "visible_m2": found.visible_m2,
@@ -95,19 +96,4 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     });
     writeln!(context.out, "{line}")?;
     Ok(())
-}
-
-fn picture(viewshed: &Viewshed) -> Block {
-    let side = viewshed.side();
-    let mut picture = Block::new(Bands::Colour, side, side);
-    let [red, green, blue, alpha] = picture.planes_mut();
-    for (i, sight) in viewshed.sights.iter().enumerate() {
-        let [r, g, b, a] = match sight {
-            Sight::Visible => [1.0, 0.85, 0.2, 1.0],
-            Sight::Hidden => [0.1, 0.12, 0.2, 1.0],
-            Sight::Outside => [0.0; 4],
-        };
-        (red[i], green[i], blue[i], alpha[i]) = (r, g, b, a);
-    }
-    picture
 }
