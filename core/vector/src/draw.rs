@@ -1,30 +1,32 @@
 //! Features into blocks of samples.
 //!
 //! Everything is computed in f64, in the samples of one *cell* (256 × 256 samples whose indices
-//! are multiples of 256), clipped to it, rounded to 1/256 sample and only then given to tiny-skia,
-//! which fills it. tiny-skia's fills move with whole samples, but where it clips an edge its slope
-//! changes in the last bit; because cells are the same whatever block is asked for, a whole equals
-//! its parts bit for bit. Strokes are outlined here: in metres on the ground, with the scale of
-//! their own latitude.
+//! are multiples of 256), and covers 8 × 8 points of each sample. Because cells are the same whatever
+//! block is asked for, a whole equals its parts bit for bit. Strokes are outlined here: in metres on
+//! the ground, with the scale of their own latitude.
 
+mod blot;
 mod canvas;
 mod hatch;
 mod outline;
 mod plane;
+mod raster;
+mod sheet;
 mod stroke;
 mod symbol;
 
 use core::ops::ControlFlow;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use glam::{DVec2, I64Vec2};
+use glam::I64Vec2;
 use relievo_planet::{Grid, Lattice, Planet, SampleRect};
 use relievo_raster::{Bands, Block, Cancel};
 
-use crate::features::{Features, Hit, Shape};
+use crate::features::{Features, Hit, Part, Shape};
 use crate::style::{Colour, Style};
 use canvas::{CELL, Canvas};
 use plane::{Plane, Window};
+use sheet::Sheet;
 
 /// Why a block could not be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -47,18 +49,13 @@ struct Look {
 /// Features with a style, ready to be drawn.
 #[derive(Debug)]
 pub struct Drawing {
-    features: Arc<Features>,
+    sheets: Vec<Sheet>,
     style: Style,
     planet: Planet,
     /// The style's own look, then those of its classes.
     looks: Vec<Look>,
-    /// The look of each feature; empty: all have the first.
-    look_of: Vec<u16>,
     /// Name of everything but the features.
     name: [u8; 32],
-    /// Length of each line or ring from its first vertex to each of its vertices, metres; made when
-    /// dashes are drawn first.
-    lengths: OnceLock<Vec<f64>>,
 }
 
 impl Drawing {
@@ -68,41 +65,48 @@ impl Drawing {
             fill: style.fill,
             stroke: style.stroke,
         };
-        let mut looks = vec![own];
-        let mut look_of = Vec::new();
-        if let Some(by) = &style.by {
-            looks.extend(by.classes.iter().map(|class| Look {
-                fill: class.fill.or(own.fill),
-                stroke: class.stroke.or(own.stroke),
-            }));
-            look_of = (0..features.len())
-                .map(|feature| {
-                    let value = features.property(feature, &by.property);
-                    let class = by.classes.iter().position(|c| c.of.contains(value));
-                    class.map_or(0, |c| u16::try_from(c + 1).unwrap_or(0))
-                })
-                .collect();
-        }
+        let classes = style.by.iter().flat_map(|by| &by.classes);
+        let looks = classes.map(|class| Look {
+            fill: class.fill.or(own.fill),
+            stroke: class.stroke.or(own.stroke),
+        });
         let common = Style {
             by: None,
             ..style.clone()
         };
         let text = format!("{common:?} {planet:?}");
-        let name = *blake3::hash(text.as_bytes()).as_bytes();
         Self {
-            features,
+            looks: core::iter::once(own).chain(looks).collect(),
+            sheets: vec![Sheet::new(features, &style)],
             style,
             planet,
-            looks,
-            look_of,
-            name,
-            lengths: OnceLock::new(),
+            name: *blake3::hash(text.as_bytes()).as_bytes(),
         }
     }
 
-    /// The features.
+    /// The same drawing with other features instead of some of its own, which costs no more than
+    /// those: equal, also in its names, to a drawing of all that are left. `replaced` are positions
+    /// among [`Self::features`], rising. `None` for styles to which the order of features or their
+    /// common middle matters: with symbols or a hatch.
+    pub fn patched(&self, replaced: Vec<usize>, by: Arc<Features>) -> Option<Self> {
+        let mut base = self.sheets[0].clone();
+        base.hidden = replaced;
+        self.is_unordered().then(|| Self {
+            sheets: vec![base, Sheet::new(by, &self.style)],
+            style: self.style.clone(),
+            looks: self.looks.clone(),
+            ..*self
+        })
+    }
+
+    /// Whether features of a look are one shape, in whatever order they come.
+    fn is_unordered(&self) -> bool {
+        self.style.symbol.is_none() && self.style.hatch.is_none()
+    }
+
+    /// The features that it was made of.
     pub fn features(&self) -> &Arc<Features> {
-        &self.features
+        &self.sheets[0].features
     }
 
     /// The style.
@@ -119,7 +123,7 @@ impl Drawing {
     /// Whether some feature may show in a grid. `false` is certain.
     pub fn reaches(&self, grid: &Grid) -> bool {
         let mut any = false;
-        self.reaching(grid, |_| {
+        self.reaching(grid, |_, _| {
             any = true;
             ControlFlow::Break(())
         });
@@ -129,7 +133,7 @@ impl Drawing {
     /// Number of features that may show in a grid.
     pub fn count(&self, grid: &Grid) -> usize {
         let mut count = 0;
-        self.reaching(grid, |_| {
+        self.reaching(grid, |_, _| {
             count += 1;
             ControlFlow::Continue(())
         });
@@ -139,26 +143,33 @@ impl Drawing {
     /// Names what is drawn in a grid: the style, and the features that may show there. The grid
     /// itself is not part of the name.
     pub fn fingerprint(&self, grid: &Grid) -> [u8; 32] {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&self.name);
         let mut named = vec![false; self.looks.len()];
-        self.reaching(grid, |feature| {
-            let look = self.look(feature);
-            hasher.update(&self.features.hash_of(feature));
-            hasher.update(&(look as u16).to_le_bytes());
-            if !named[look] {
-                named[look] = true;
-                let Look { fill, stroke } = self.looks[look];
-                for colour in [fill, stroke] {
-                    hasher.update(&[u8::from(colour.is_some())]);
-                    for v in colour.unwrap_or_default() {
-                        hasher.update(&v.to_bits().to_le_bytes());
-                    }
-                }
-            }
+        let mut shown = Vec::new();
+        self.reaching(grid, |sheet, feature| {
+            let look = sheet.look(feature);
+            named[look] = true;
+            shown.push((look as u16, sheet.features.hash_of(feature)));
             ControlFlow::Continue(())
         });
-        *hasher.finalize().as_bytes()
+        if self.is_unordered() {
+            shown.sort_unstable();
+        }
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&self.name);
+        for (look, _) in self.looks.iter().zip(named).filter(|(_, named)| *named) {
+            for colour in [look.fill, look.stroke] {
+                hasher.update(&[u8::from(colour.is_some())]);
+                for v in colour.unwrap_or_default() {
+                    hasher.update(&v.to_bits().to_le_bytes());
+                }
+            }
+        }
+        let mut bytes = Vec::with_capacity(shown.len() * 18);
+        for (look, hash) in shown {
+            bytes.extend(look.to_le_bytes());
+            bytes.extend(hash);
+        }
+        *hasher.update(&bytes).finalize().as_bytes()
     }
 
     /// Draws `grid.rect` into `out`, which has its size: straight, display-referred colours and
@@ -204,7 +215,7 @@ impl Drawing {
     }
 
     /// Calls `found` with the features that may show in a grid.
-    fn reaching(&self, grid: &Grid, mut found: impl FnMut(usize) -> ControlFlow<()>) {
+    fn reaching(&self, grid: &Grid, mut found: impl FnMut(&Sheet, usize) -> ControlFlow<()>) {
         let Ok(plane) = Plane::new(&grid.lattice, self.planet) else {
             return;
         };
@@ -213,28 +224,26 @@ impl Drawing {
         }
         let reach_m = self.style.reach_m(plane.sample_m);
         let areas = self.style.hatch.is_some() || self.looks.iter().any(|l| l.fill.is_some());
-        let mut last = None;
-        for window in plane.windows(grid.rect) {
-            let box_ = plane.grown(&window.bounds, reach_m);
-            let mut ended = false;
-            self.features.reaching(&box_, areas, |feature| {
-                // Two windows of one grid see a feature that lies over a pole.
-                if last == Some(feature) {
-                    return ControlFlow::Continue(());
+        let windows = plane.windows(grid.rect, reach_m);
+        for sheet in &self.sheets {
+            let mut last = None;
+            for window in &windows {
+                let mut ended = false;
+                sheet.features.reaching(&window.reached, areas, |feature| {
+                    // Two windows of one grid see a feature that lies over a pole.
+                    if last == Some(feature) || sheet.hides(feature) {
+                        return ControlFlow::Continue(());
+                    }
+                    last = Some(feature);
+                    let flow = found(sheet, feature);
+                    ended = flow.is_break();
+                    flow
+                });
+                if ended {
+                    return;
                 }
-                last = Some(feature);
-                let flow = found(feature);
-                ended = flow.is_break();
-                flow
-            });
-            if ended {
-                return;
             }
         }
-    }
-
-    fn look(&self, feature: usize) -> usize {
-        self.look_of.get(feature).map_or(0, |l| usize::from(*l))
     }
 
     /// Draws a cell.
@@ -246,19 +255,27 @@ impl Drawing {
         cancel: &Cancel,
     ) -> Result<(), DrawError> {
         let reach_m = self.style.reach_m(plane.sample_m);
-        let windows = plane.windows(cell);
-        let mut by_look: Vec<Vec<(usize, Hit)>> = vec![Vec::new(); self.looks.len()];
-        for (w, window) in windows.iter().enumerate() {
-            for hit in self.features.hits(&plane.grown(&window.bounds, reach_m)) {
-                let feature = self.features.part(hit.part).feature as usize;
-                by_look[self.look(feature)].push((w, hit));
+        let windows = plane.windows(cell, reach_m);
+        let mut by_look: Vec<Vec<Shown>> = vec![Vec::new(); self.looks.len()];
+        for sheet in &self.sheets {
+            for window in &windows {
+                for hit in sheet.features.hits(&window.reached) {
+                    let part = sheet.features.part(hit.part);
+                    let feature = part.feature as usize;
+                    if !sheet.hides(feature) {
+                        by_look[sheet.look(feature)].push(Shown {
+                            sheet,
+                            window,
+                            hit,
+                            part,
+                        });
+                    }
+                }
             }
         }
         let painter = Painter {
             drawing: self,
             plane,
-            windows: &windows,
-            reach_m,
             cancel,
         };
         let looks = || {
@@ -311,57 +328,40 @@ impl Drawing {
 
     /// Latitude at which hatches have their stated angle.
     fn middle_lat(&self) -> f64 {
-        self.features.bounds().map_or(0.0, |b| b.centre().y)
+        self.features().bounds().map_or(0.0, |b| b.centre().y)
     }
+}
 
-    /// Length from a part's first vertex to each vertex.
-    fn lengths(&self) -> &[f64] {
-        self.lengths.get_or_init(|| {
-            let features = &self.features;
-            let mut lengths = Vec::with_capacity(features.vertices());
-            for feature in 0..features.len() {
-                for outline in features.outlines(feature) {
-                    let mut length_m = 0.0;
-                    let mut before: Option<DVec2> = None;
-                    for v in outline.lonlat_rad {
-                        if let Some(b) = before {
-                            let colat = core::f64::consts::FRAC_PI_2 - 0.5 * (b.y + v.y);
-                            let d = (*v - b) * self.planet.metres_per_radian(colat);
-                            length_m += libm::hypot(d.x, d.y);
-                        }
-                        lengths.push(length_m);
-                        before = Some(*v);
-                    }
-                }
-            }
-            lengths
-        })
-    }
+/// A part of a feature that a cell may show.
+#[derive(Clone, Copy)]
+struct Shown<'a> {
+    sheet: &'a Sheet,
+    window: &'a Window,
+    hit: Hit,
+    part: &'a Part,
 }
 
 /// Draws the parts of one cell into its mask.
 struct Painter<'a> {
     drawing: &'a Drawing,
     plane: &'a Plane<'a>,
-    windows: &'a [Window],
-    reach_m: f64,
     cancel: &'a Cancel,
 }
 
 impl Painter<'_> {
     /// Calls `draw` with every part of the wanted kinds.
-    fn each(
+    fn each<'s>(
         &self,
-        hits: &[(usize, Hit)],
+        shown: &'s [Shown<'s>],
         wanted: impl Fn(Shape) -> bool,
-        mut draw: impl FnMut(&Window, Hit),
+        mut draw: impl FnMut(&'s Shown<'s>),
     ) -> Result<(), DrawError> {
-        for (i, (window, hit)) in hits.iter().enumerate() {
+        for (i, shown) in shown.iter().enumerate() {
             if i.is_multiple_of(256) && self.cancel.is_cancelled() {
                 return Err(DrawError::Cancelled);
             }
-            if wanted(self.drawing.features.part(hit.part).shape) {
-                draw(&self.windows[*window], *hit);
+            if wanted(shown.part.shape) {
+                draw(shown);
             }
         }
         Ok(())

@@ -6,29 +6,18 @@ use glam::DVec2;
 use relievo_planet::SampleRect;
 use relievo_raster::Block;
 use relievo_raster::colour::{encode_each, linear_from_srgb};
-use tiny_skia::{FillRule, Mask, PathBuilder, Transform};
 
+use super::raster::{POINTS, Raster};
 use crate::style::Colour;
 
 /// Samples along a side.
 pub(super) const CELL: usize = 256;
 
-/// Vertices are rounded to this part of a sample: what tiny-skia's fills see.
-const GRAIN: f64 = 256.0;
+/// Coverage of a sample that is wholly covered: finer than the points of a sample, because specks are.
+const FULL: u16 = POINTS * SPECKS;
 
-/// How far beyond the cell shapes are cut off, in samples.
-const PAD: f64 = 4.0;
-
-/// Samples of the mask along a side of a sample. tiny-skia tells four steps of coverage apart along
-/// an axis; twice as many keep thin lines even.
-const FINE: usize = 2;
-
-/// Coverage of a sample that is wholly covered.
-const FULL: u16 = (FINE * FINE * 255) as u16;
-
-/// Edges that are filled together. tiny-skia keeps the edges of a row in a sorted list, which takes
-/// the square of their number where all lie in one place; shapes beyond this are filled in batches.
-const BATCH: usize = 8192;
+/// Steps of coverage to a point.
+const SPECKS: u16 = 16;
 
 /// A cell that is being drawn.
 pub(super) struct Canvas {
@@ -41,31 +30,19 @@ pub(super) struct Canvas {
     planes: [Vec<f32>; 4],
 }
 
-/// Shapes that become one, where their windings do not cancel.
+/// Shapes that become one.
 pub(super) struct Path {
-    mask: Mask,
-    builder: PathBuilder,
-    /// Edges in the builder.
-    edges: usize,
-    /// Rows of samples that the mask or the specks touch.
-    rows: Range<usize>,
+    raster: Raster,
     /// Samples that specks cover, by sample.
     specks: Vec<f32>,
-    clipped: [Vec<DVec2>; 2],
 }
 
 impl Canvas {
     pub(super) fn new() -> Self {
-        let side = (FINE * CELL) as u32;
-        let mask = Mask::new(side, side);
         Self {
             path: Path {
-                mask: mask.unwrap_or_else(|| unreachable!("a cell has a size")),
-                builder: PathBuilder::new(),
-                edges: 0,
-                rows: 0..0,
+                raster: Raster::new(),
                 specks: vec![0.0; CELL * CELL],
-                clipped: [Vec::new(), Vec::new()],
             },
             coverage: vec![0; CELL * CELL],
             rows: 0..0,
@@ -86,22 +63,17 @@ impl Canvas {
 
     /// Turns the shapes into coverage.
     pub(super) fn fill(&mut self) {
-        self.path.flush();
-        self.rows = std::mem::take(&mut self.path.rows);
-        let line = FINE * CELL;
+        self.rows = self.path.raster.take_rows();
+        let mut points = [0; CELL];
         for row in self.rows.clone() {
-            let fine = &mut self.path.mask.data_mut()[row * FINE * line..(row + 1) * FINE * line];
+            self.path.raster.take_row(row, &mut points);
             let specks = &mut self.path.specks[row * CELL..(row + 1) * CELL];
             let samples = &mut self.coverage[row * CELL..(row + 1) * CELL];
-            let (above, below) = fine.split_at(line);
-            let pairs = above.chunks_exact(FINE).zip(below.chunks_exact(FINE));
-            for ((sample, (a, b)), speck) in samples.iter_mut().zip(pairs).zip(&*specks) {
-                let covered: u16 = a.iter().chain(b).map(|v| u16::from(*v)).sum();
+            for ((sample, covered), speck) in samples.iter_mut().zip(points).zip(&*specks) {
                 let specks = (speck.clamp(0.0, 1.0) * f32::from(FULL) + 0.5) as u16;
-                *sample = (covered + specks).min(FULL);
+                *sample = (u16::from(covered) * SPECKS + specks).min(FULL);
             }
             // As the next shapes expect it.
-            fine.fill(0);
             specks.fill(0.0);
         }
     }
@@ -173,30 +145,6 @@ impl Canvas {
 }
 
 impl Path {
-    /// Fills what was gathered.
-    fn flush(&mut self) {
-        self.edges = 0;
-        let builder = std::mem::take(&mut self.builder);
-        let Some(path) = builder.finish() else {
-            return;
-        };
-        let bounds = path.bounds();
-        // A row more on each side: what touches an edge is rounded somewhere.
-        let first = (bounds.top() / FINE as f32 - 1.0).clamp(0.0, CELL as f32) as usize;
-        let last = (bounds.bottom() / FINE as f32 + 2.0).clamp(0.0, CELL as f32) as usize;
-        self.touch(first..last);
-        self.mask
-            .fill_path(&path, FillRule::Winding, true, Transform::identity());
-    }
-
-    fn touch(&mut self, rows: Range<usize>) {
-        self.rows = if self.rows.is_empty() {
-            rows
-        } else {
-            self.rows.start.min(rows.start)..self.rows.end.max(rows.end)
-        };
-    }
-
     /// Adds something much smaller than a sample by its area in samples, which may be negative for
     /// a hole: thousands of them in a sample cost no more than one.
     pub(super) fn speck(&mut self, at: DVec2, area: f64) {
@@ -204,80 +152,23 @@ impl Path {
         if at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::splat(side)).all() {
             let (column, row) = (at.x as usize, at.y as usize);
             self.specks[row * CELL + column] += area as f32;
-            self.touch(row..row + 1);
+            self.raster.touch(row..row + 1);
         }
     }
 
-    /// Adds a polygon in samples of the cell, closed by itself, cut off a little beyond the cell.
+    /// Adds a ring of a polygon in samples of the cell, closed by itself.
+    pub(super) fn ring(&mut self, points: &[DVec2]) {
+        self.raster.ring(points);
+    }
+
+    /// The rings since the last polygon are one.
+    pub(super) fn close(&mut self) {
+        self.raster.fill();
+    }
+
+    /// Adds a polygon of one ring.
     pub(super) fn polygon(&mut self, points: &[DVec2]) {
-        let low = DVec2::splat(-PAD);
-        let high = DVec2::splat(CELL as f64 + PAD);
-        let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for p in points {
-            least = least.min(*p);
-            most = most.max(*p);
-        }
-        // Written so that NaN is outside.
-        if points.len() < 3 || !(least.cmple(high).all() && most.cmpge(low).all()) {
-            return;
-        }
-        if least.cmpge(low).all() && most.cmple(high).all() {
-            trace(&mut self.builder, points);
-            self.edges += points.len();
-        } else {
-            self.cut(points, low, high);
-        }
-        if self.edges > BATCH {
-            self.flush();
-        }
-    }
-
-    /// Adds the part of a polygon between two corners.
-    fn cut(&mut self, points: &[DVec2], low: DVec2, high: DVec2) {
-        let [a, b] = &mut self.clipped;
-        clip(points, a, |p| p.x - low.x);
-        clip(a, b, |p| high.x - p.x);
-        clip(b, a, |p| p.y - low.y);
-        clip(a, b, |p| high.y - p.y);
-        trace(&mut self.builder, b);
-        self.edges += b.len();
-    }
-}
-
-/// The part of a polygon where `inside` is not negative (Sutherland and Hodgman).
-fn clip(points: &[DVec2], out: &mut Vec<DVec2>, inside: impl Fn(DVec2) -> f64) {
-    out.clear();
-    let Some(mut before) = points.last().copied() else {
-        return;
-    };
-    let mut depth_before = inside(before);
-    for p in points {
-        let depth = inside(*p);
-        if (depth < 0.0) != (depth_before < 0.0) {
-            let share = depth_before / (depth_before - depth);
-            out.push(before + (*p - before) * share);
-        }
-        if depth >= 0.0 {
-            out.push(*p);
-        }
-        (before, depth_before) = (*p, depth);
-    }
-}
-
-fn trace(builder: &mut PathBuilder, points: &[DVec2]) {
-    let mut before = None;
-    for p in points {
-        let at = [p.x, p.y].map(|v| (libm::round(v * GRAIN) * (FINE as f64 / GRAIN)) as f32);
-        if before == Some(at) {
-            continue;
-        }
-        match before {
-            None => builder.move_to(at[0], at[1]),
-            Some(_) => builder.line_to(at[0], at[1]),
-        }
-        before = Some(at);
-    }
-    if before.is_some() {
-        builder.close();
+        self.ring(points);
+        self.close();
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::canvas::{Canvas, Path};
 use super::plane::{Plane, Window};
-use super::{DrawError, Painter};
+use super::{DrawError, Painter, Shown};
 use crate::features::{Bounds, Hit, Shape, Visit, Walker};
 
 /// Vertices closer than this many samples become one, in shapes of some samples' size.
@@ -20,18 +20,28 @@ const HALVINGS: u32 = 8;
 
 impl Painter<'_> {
     /// The mask of the insides of polygons, as one shape.
-    pub(super) fn fill(&self, hits: &[(usize, Hit)], canvas: &mut Canvas) -> Result<(), DrawError> {
-        let features = &self.drawing.features;
+    pub(super) fn fill(&self, shown: &[Shown], canvas: &mut Canvas) -> Result<(), DrawError> {
         let path = canvas.path();
         let mut outline = Vec::new();
         let mut samples = Vec::new();
         let areas = |shape| matches!(shape, Shape::Outer | Shape::Hole);
-        self.each(hits, areas, |window, hit| {
-            let part = features.part(hit.part);
-            let clip = self.clip(window, 4.0).turned(-hit.turns);
+        let mut feature = None;
+        self.each(shown, areas, |shown| {
+            let Shown {
+                sheet,
+                window,
+                hit,
+                part,
+            } = *shown;
+            // Holes are holes of their own polygons only.
+            let here = (core::ptr::from_ref(sheet), window.bounds, part.feature);
+            if feature.replace(here) != Some(here) {
+                path.close();
+            }
+            let clip = window.reached.turned(-hit.turns);
             let tolerance = self.tolerance(&clip);
             if part.pole == 0 && part.bounds.size().cmplt(self.speck(&clip)).all() {
-                self.speckle(window, hit, path);
+                self.speckle(shown, path);
                 return;
             }
             let small = part.bounds.size().cmplt(tolerance * 20.0).all();
@@ -41,7 +51,7 @@ impl Painter<'_> {
                 out: &mut outline,
             };
             walker.out.clear();
-            features.walk(part, &mut walker);
+            sheet.features.walk(part, &mut walker);
             if part.pole != 0 {
                 let y = f64::from(part.pole) * FRAC_PI_2;
                 let ends = (outline.first().copied(), outline.last().copied());
@@ -50,8 +60,9 @@ impl Painter<'_> {
                 }
             }
             self.place(window, hit, &clip, &mut outline, &mut samples);
-            path.polygon(&samples);
+            path.ring(&samples);
         })?;
+        path.close();
         canvas.fill();
         Ok(())
     }
@@ -62,14 +73,13 @@ impl Painter<'_> {
     }
 
     /// A polygon's ring by its area.
-    fn speckle(&self, window: &Window, hit: Hit, path: &mut Path) {
-        let features = &self.drawing.features;
-        let part = features.part(hit.part);
-        let turn = DVec2::new(f64::from(hit.turns) * core::f64::consts::TAU, 0.0);
+    fn speckle(&self, shown: &Shown, path: &mut Path) {
+        let (window, part) = (shown.window, shown.part);
+        let turn = DVec2::new(f64::from(shown.hit.turns) * core::f64::consts::TAU, 0.0);
         let Some(at) = self.plane.sample(window, part.bounds.centre() + turn) else {
             return;
         };
-        let vertices = features.vertices_of(part);
+        let vertices = shown.sheet.features.vertices_of(part);
         let first = vertices[0];
         let twice: f64 = vertices
             .windows(2)
@@ -82,12 +92,6 @@ impl Painter<'_> {
         let samples = self.plane.samples_per_m(part.bounds.centre());
         let to_samples = metres * samples;
         path.speck(at, 0.5 * twice * to_samples.x * to_samples.y);
-    }
-
-    /// The box of a window and some samples around it.
-    pub(super) fn clip(&self, window: &Window, samples: f64) -> Bounds {
-        self.plane
-            .grown(&window.bounds, samples * 2.0 * self.plane.sample_m)
     }
 
     /// What cannot be seen, in radians of longitude and latitude.

@@ -26,6 +26,8 @@ pub(super) struct Plane<'a> {
 pub(super) struct Window {
     /// What it shows.
     pub(super) bounds: Bounds,
+    /// That and what reaches into it.
+    pub(super) reached: Bounds,
     /// First sample of the rectangle.
     origin: DVec2,
     /// Colatitude on the lattice = offset + sign · colatitude of the place.
@@ -73,8 +75,8 @@ impl<'a> Plane<'a> {
         self.lattice
     }
 
-    /// What a rectangle shows.
-    pub(super) fn windows(&self, rect: SampleRect) -> Vec<Window> {
+    /// What a rectangle shows, and what is within some metres of it.
+    pub(super) fn windows(&self, rect: SampleRect, reach_m: f64) -> Vec<Window> {
         let origin = rect.min.as_dvec2();
         let corner = |x: i64, y: i64| {
             self.lattice.origin + DVec2::new(x as f64, y as f64) * self.lattice.step
@@ -83,6 +85,7 @@ impl<'a> Plane<'a> {
             let bounds = projected_bounds(crs, rect, corner);
             let window = |bounds| Window {
                 bounds,
+                reached: self.grown(&bounds, reach_m),
                 origin,
                 colat_offset: 0.0,
                 colat_sign: 1.0,
@@ -102,11 +105,13 @@ impl<'a> Plane<'a> {
                 let place = |colat: f64| colat_sign * (colat - colat_offset);
                 let (c, d) = (place(low.y), place(high.y));
                 let (top, bottom) = (c.min(d).max(0.0), c.max(d).min(PI));
+                let bounds = Bounds {
+                    min: DVec2::new(low.x - lon_offset, FRAC_PI_2 - bottom),
+                    max: DVec2::new(high.x - lon_offset, FRAC_PI_2 - top),
+                };
                 (top < bottom).then(|| Window {
-                    bounds: Bounds {
-                        min: DVec2::new(low.x - lon_offset, FRAC_PI_2 - bottom),
-                        max: DVec2::new(high.x - lon_offset, FRAC_PI_2 - top),
-                    },
+                    bounds,
+                    reached: self.grown(&bounds, reach_m),
                     origin,
                     colat_offset,
                     colat_sign,

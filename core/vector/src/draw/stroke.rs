@@ -9,8 +9,8 @@ use glam::DVec2;
 use super::canvas::{CELL, Canvas, Path};
 use super::outline::bend;
 use super::plane::{Plane, Window};
-use super::{DrawError, Painter};
-use crate::features::{Bounds, Hit, Shape, Visit, Walker, on_antimeridian};
+use super::{DrawError, Painter, Shown};
+use crate::features::{Bounds, Shape, Visit, Walker, on_antimeridian};
 use crate::style::Length;
 
 /// Half a stroke is drawn at most this wide, in samples: more covers any cell.
@@ -43,7 +43,7 @@ impl Painter<'_> {
     /// of the colour shows: a stroke narrower than a sample is drawn a sample wide and fainter.
     pub(super) fn stroke(
         &self,
-        hits: &[(usize, Hit)],
+        shown: &[Shown],
         width_m: f64,
         dashed: bool,
         canvas: &mut Canvas,
@@ -59,30 +59,37 @@ impl Painter<'_> {
             fade *= drawn / d.period_m;
             dashes = None;
         }
-        let features = &self.drawing.features;
-        let lengths = dashes.as_ref().map(|_| self.drawing.lengths());
         let path = canvas.path();
         let mut stroker = Stroker {
             half_m: 0.5 * drawn_m,
             joins: dashes.is_none(),
             path,
+            corners: Vec::new(),
         };
         let mut runs = Runs::default();
         let (mut line, mut pieces) = (Vec::new(), Pieces::default());
         let lines = |shape| shape != Shape::Points;
-        self.each(hits, lines, |window, hit| {
-            let part = features.part(hit.part);
-            let clip = self.plane.grown(&window.bounds, self.reach_m);
-            runs.clip = clip.turned(-hit.turns);
+        self.each(shown, lines, |shown| {
+            let Shown {
+                sheet,
+                window,
+                hit,
+                part,
+            } = *shown;
+            runs.clip = window.reached.turned(-hit.turns);
             if part.bounds.size().cmplt(self.speck(&runs.clip)).all() {
-                self.speckle_line(window, hit, drawn_m, stroker.path);
+                self.speckle_line(shown, drawn_m, stroker.path);
+                return;
+            }
+            if dashes.is_none() && self.blot(shown, stroker.half_m, stroker.path) {
                 return;
             }
             runs.tolerance = self.tolerance(&runs.clip);
             runs.rings = part.shape != Shape::Line;
+            let lengths = dashes.as_ref().map(|_| sheet.lengths(&self.drawing.planet));
             runs.lengths = lengths.map(|l| &l[part.first_vertex()..]);
             runs.clear();
-            features.walk(part, &mut runs);
+            sheet.features.walk(part, &mut runs);
             let turn = DVec2::new(f64::from(hit.turns) * TAU, 0.0);
             for run in runs.all() {
                 place(self.plane, window, turn, run, &mut line);
@@ -100,16 +107,15 @@ impl Painter<'_> {
     }
 
     /// A line's area of a width.
-    fn speckle_line(&self, window: &Window, hit: Hit, width_m: f64, path: &mut Path) {
-        let features = &self.drawing.features;
-        let part = features.part(hit.part);
+    fn speckle_line(&self, shown: &Shown, width_m: f64, path: &mut Path) {
+        let (window, part) = (shown.window, shown.part);
         let centre = part.bounds.centre();
-        let turn = DVec2::new(f64::from(hit.turns) * TAU, 0.0);
+        let turn = DVec2::new(f64::from(shown.hit.turns) * TAU, 0.0);
         let Some(at) = self.plane.sample(window, centre + turn) else {
             return;
         };
         let metres = self.plane.planet.metres_per_radian(FRAC_PI_2 - centre.y);
-        let edges = features.vertices_of(part).windows(2);
+        let edges = shown.sheet.features.vertices_of(part).windows(2);
         let length_m: f64 = edges.map(|e| ((e[1] - e[0]) * metres).length()).sum();
         let scale = self.plane.samples_per_m(centre);
         path.speck(at, length_m * width_m * scale.x * scale.y);
@@ -142,6 +148,7 @@ pub(super) fn outline_of(path: &mut Path, polygon: &[DVec2], scale: DVec2, width
         half_m: 0.5 * width_m,
         joins: true,
         path,
+        corners: Vec::new(),
     };
     let vertex = |at: &DVec2| Vertex {
         at: *at,
@@ -362,24 +369,64 @@ struct Stroker<'a> {
     half_m: f64,
     joins: bool,
     path: &'a mut Path,
+    /// Room for a polygon.
+    corners: Vec<DVec2>,
 }
 
 impl Stroker<'_> {
     /// A line with round ends and joins.
     fn line(&mut self, line: &[Vertex]) {
         let mut before: Option<DVec2> = None;
+        let mut roomy = false;
         for (i, v) in line.iter().enumerate() {
             let after = line.get(i + 1).and_then(|next| direction(v, next));
-            if self.joins && self.needs_join(v, before, after) {
-                self.disc(v);
+            let is_roomy = |next| self.is_roomy(v, next);
+            let roomy_after = line.get(i + 1).is_some_and(is_roomy);
+            match (before, after) {
+                (Some(before), Some(after)) if self.joins && roomy && roomy_after => {
+                    self.wedge(v, before, after);
+                }
+                _ if self.joins && self.needs_join(v, before, after) => self.disc(v),
+                _ => {}
             }
             if let Some(next) = line.get(i + 1) {
                 if let Some(along) = after {
                     self.edge(v, next, along);
+                    roomy = roomy_after;
                 }
                 before = after.or(before);
             }
         }
+    }
+
+    /// Whether an edge is as long as the stroke is wide: then it covers what a join has on the inner
+    /// side of a bend.
+    fn is_roomy(&self, a: &Vertex, b: &Vertex) -> bool {
+        let d = (b.at - a.at) / (0.5 * (a.scale + b.scale));
+        d.length_squared() > 4.0 * self.half_m * self.half_m
+    }
+
+    /// The round outer side of a bend.
+    fn wedge(&mut self, v: &Vertex, before: DVec2, after: DVec2) {
+        let radii = self.radii(v);
+        let radius = radii.max_element();
+        if before.dot(after) >= 0.0 && (after - before).length() * radius <= GAP {
+            return;
+        }
+        let outside = if before.perp_dot(after) > 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let aside = |along: DVec2| outside * DVec2::new(-along.y, along.x);
+        let (from, to) = (aside(before), aside(after));
+        self.corners.clear();
+        self.corners.extend([v.at, v.at + from * radii]);
+        arc(from, to, radius, &mut |u| {
+            self.corners.push(v.at + u * radii)
+        });
+        self.corners.push(v.at + to * radii);
+        self.path.polygon(&self.corners);
     }
 
     /// Pieces of a line, cut off straight.
@@ -451,8 +498,9 @@ impl Stroker<'_> {
     fn disc(&mut self, v: &Vertex) {
         let radii = self.radii(v);
         let table = circle(radii.max_element());
-        let polygon: Vec<DVec2> = table.iter().map(|u| v.at + *u * radii).collect();
-        self.path.polygon(&polygon);
+        self.corners.clear();
+        self.corners.extend(table.iter().map(|u| v.at + *u * radii));
+        self.path.polygon(&self.corners);
     }
 
     fn radii(&self, v: &Vertex) -> DVec2 {
@@ -460,10 +508,35 @@ impl Stroker<'_> {
     }
 }
 
+/// Unit vectors between two others, where a circle of a radius in samples needs corners to look round.
+pub(super) fn arc(from: DVec2, to: DVec2, radius: f64, corner: &mut impl FnMut(DVec2)) {
+    let steps = circle(radius).len();
+    // A regular polygon's corners are this far apart.
+    let apart = (circle(radius)[1] - circle(radius)[0]).length();
+    halve(from, to, apart * 1.01, steps, corner);
+}
+
+fn halve(from: DVec2, to: DVec2, apart: f64, most: usize, corner: &mut impl FnMut(DVec2)) {
+    if most < 2 || (to - from).length() <= apart {
+        return;
+    }
+    let sum = from + to;
+    let length = sum.length();
+    // Half a turn has no middle: any side will do.
+    let middle = if length > 1e-9 {
+        sum / length
+    } else {
+        DVec2::new(-from.y, from.x)
+    };
+    halve(from, middle, apart, most / 2, corner);
+    corner(middle);
+    halve(middle, to, apart, most / 2, corner);
+}
+
 /// Unit vector from one vertex to another in metres; `None` where they are one.
 fn direction(a: &Vertex, b: &Vertex) -> Option<DVec2> {
     let d = (b.at - a.at) / (0.5 * (a.scale + b.scale));
-    let length = libm::hypot(d.x, d.y);
+    let length = d.length();
     (length > 0.0).then(|| d / length)
 }
 

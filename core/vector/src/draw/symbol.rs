@@ -8,8 +8,8 @@ use glam::{DVec2, I64Vec2};
 
 use super::canvas::Canvas;
 use super::stroke::{circle, outline_of};
-use super::{DrawError, Painter};
-use crate::features::{Hit, Shape};
+use super::{DrawError, Painter, Shown};
+use crate::features::Shape;
 use crate::style::{Symbol, SymbolShape};
 
 /// Symbols are drawn once where they are closer than this part of their size, or of a sample.
@@ -20,13 +20,13 @@ impl Painter<'_> {
     /// a sample are drawn a sample wide and fainter.
     pub(super) fn symbols(
         &self,
-        hits: &[(usize, Hit)],
+        shown: &[Shown],
         symbol: &Symbol,
         canvas: &mut Canvas,
     ) -> Result<f64, DrawError> {
         let (drawn_m, fade) = self.size(symbol);
         let mut points = Vec::new();
-        self.each_point(hits, drawn_m, |at, scale| points.push((at, scale)))?;
+        self.each_point(shown, drawn_m, |at, scale| points.push((at, scale)))?;
         let path = canvas.path();
         for (at, scale) in points {
             path.polygon(&corners(symbol.shape, at, 0.5 * drawn_m * scale));
@@ -38,7 +38,7 @@ impl Painter<'_> {
     /// The mask of the symbols' outlines.
     pub(super) fn symbol_outlines(
         &self,
-        hits: &[(usize, Hit)],
+        shown: &[Shown],
         symbol: &Symbol,
         width_m: f64,
         canvas: &mut Canvas,
@@ -46,7 +46,7 @@ impl Painter<'_> {
         let (drawn_m, fade) = self.size(symbol);
         let stroke_m = width_m.max(self.plane.sample_m);
         let mut points = Vec::new();
-        self.each_point(hits, drawn_m, |at, scale| points.push((at, scale)))?;
+        self.each_point(shown, drawn_m, |at, scale| points.push((at, scale)))?;
         let path = canvas.path();
         for (at, scale) in points {
             let polygon = corners(symbol.shape, at, 0.5 * drawn_m * scale);
@@ -66,18 +66,18 @@ impl Painter<'_> {
     /// Calls `draw` with each point in samples, and samples to a metre there.
     fn each_point(
         &self,
-        hits: &[(usize, Hit)],
+        shown: &[Shown],
         drawn_m: f64,
         mut draw: impl FnMut(DVec2, DVec2),
     ) -> Result<(), DrawError> {
-        let features = &self.drawing.features;
         let apart = SAME * (drawn_m / self.plane.sample_m).max(1.0);
         let mut seen = HashSet::new();
         let points = |shape| shape == Shape::Points;
-        self.each(hits, points, |window, hit| {
-            let clip = self.plane.grown(&window.bounds, self.reach_m);
+        self.each(shown, points, |shown| {
+            let (window, hit) = (shown.window, shown.hit);
+            let clip = window.reached;
             let turn = DVec2::new(f64::from(hit.turns) * TAU, 0.0);
-            for v in features.vertices_of(features.part(hit.part)) {
+            for v in shown.sheet.features.vertices_of(shown.part) {
                 let place = *v + turn;
                 let inside = place.cmpge(clip.min).all() && place.cmple(clip.max).all();
                 let Some(at) = self.plane.sample(window, place).filter(|_| inside) else {

@@ -252,6 +252,170 @@ proptest! {
     }
 }
 
+/// Houses of about 14 m in a field of `count` × `count`, turned this way and that.
+fn city(count: i32) -> Features {
+    let mut b = Builder::degrees();
+    for i in 0..count * count {
+        b.ring(house(count, i, 0.0), false).unwrap();
+        b.feature().unwrap();
+    }
+    b.finish().unwrap()
+}
+
+fn house(count: i32, i: i32, moved: f64) -> [[f64; 2]; 5] {
+    let (x, y) = (f64::from(i % count), f64::from(i / count));
+    let (sin, cos) = f64::from(i).sin_cos();
+    let size = 0.00005 + 0.00003 * cos;
+    [
+        (-1.0, -0.7),
+        (1.0, -0.7),
+        (1.0, 0.7),
+        (0.3, 0.2),
+        (-1.0, 0.7),
+    ]
+    .map(|(u, v)| {
+        let (u, v) = (u * cos - v * sin, u * sin + v * cos);
+        [8.0 + x * 0.0002 + u * size + moved, y * 0.0002 + v * size]
+    })
+}
+
+/// A level from afar shows what a level from near by shows, averaged over its samples.
+#[test]
+fn a_city_from_afar_is_the_average_of_the_city_from_near_by() {
+    let style = Style {
+        stroke: Some([0.3, 0.3, 0.3, 1.0]),
+        stroke_width: Some(Length::Metres(2.0)),
+        ..fill(RED)
+    };
+    let drawing = drawing(city(24), style);
+    let exact = LevelKey::new(18, 18);
+    let s = exact.sample_from_map(MapPoint::from_degrees(8.0024, 0.0024));
+    let first = (s.x as i64 / 4096 * 4096, s.y as i64 / 4096 * 4096);
+    let fine = Grid::new(
+        Arc::new(exact.lattice()),
+        SampleRect::at(first.0, first.1, 4096, 4096),
+    );
+    let near = draw(&drawing, &fine);
+    let all = near.plane(3);
+    for halvings in [2, 4, 6] {
+        let level = LevelKey::new(18 - halvings, 18 - halvings);
+        let size = 1_i64 << halvings;
+        let rect = SampleRect::at(first.0 / size, first.1 / size, 4096 / size, 4096 / size);
+        let far = draw(&drawing, &Grid::new(Arc::new(level.lattice()), rect));
+        let mut differences = Vec::new();
+        for (i, alpha) in far.plane(3).iter().enumerate() {
+            let (x, y) = (
+                i % far.width() * size as usize,
+                i / far.width() * size as usize,
+            );
+            let rows = (y..y + size as usize).map(|row| &all[row * 4096 + x..][..size as usize]);
+            let mean = rows.flatten().sum::<f32>() / (size * size) as f32;
+            differences.push(f64::from((alpha - mean).abs()));
+        }
+        let count = differences.len() as f64;
+        let mean = differences.iter().sum::<f64>() / count;
+        let worst = differences.iter().copied().fold(0.0, f64::max);
+        assert!(mean < 0.02, "{halvings}: {mean}");
+        assert!(worst < 0.25, "{halvings}: {worst}");
+    }
+}
+
+/// Also where a ring is smaller than its stroke and is drawn by the shape around it.
+#[test]
+fn a_stroke_covers_what_lies_within_half_its_width_of_the_line() {
+    let metres = Planet::EARTH.metres_per_radian(core::f64::consts::FRAC_PI_2);
+    for (n, widths_m) in [
+        (13, [10.0, 20.0, 40.0]),
+        (14, [5.0, 8.0, 20.0]),
+        (16, [1.5, 3.0, 9.0]),
+    ] {
+        for i in 0..8 {
+            let ring = house(8, i, 0.0);
+            let corners = ring.map(|p| DVec2::from(p.map(f64::to_radians)));
+            let grid = around(LevelKey::new(n, n), ring[0][0], ring[0][1], 40);
+            let (low, high) = corners
+                .iter()
+                .fold((corners[0], corners[0]), |(low, high), c| {
+                    (low.min(*c), high.max(*c))
+                });
+            if (high - low).cmplt(0.5 * grid.lattice.step).all() {
+                // Drawn by its area alone.
+                continue;
+            }
+            for width_m in widths_m {
+                let mut b = Builder::degrees();
+                b.ring(ring, false).unwrap();
+                let drawing = drawing(b.finish().unwrap(), stroke(Length::Metres(width_m)));
+                let block = draw(&drawing, &grid);
+                let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
+                for (k, alpha) in block.plane(3).iter().enumerate() {
+                    let sample = DVec2::new((k % 40) as f64, (k / 40) as f64);
+                    let points = (0..64).map(|j| {
+                        let at =
+                            sample + (DVec2::new(f64::from(j % 8), f64::from(j / 8)) + 0.5) / 8.0;
+                        let at = grid.lattice.origin
+                            + (grid.rect.min.as_dvec2() + at) * grid.lattice.step;
+                        DVec2::new(at.x, core::f64::consts::FRAC_PI_2 - at.y)
+                    });
+                    let inside = points.filter(|p| {
+                        (0..5).any(|e| {
+                            let (a, b) = (corners[e] * metres, corners[(e + 1) % 5] * metres);
+                            let (d, v) = (b - a, *p * metres - a);
+                            let t = (v.dot(d) / d.length_squared()).clamp(0.0, 1.0);
+                            (v - d * t).length() <= 0.5 * width_m
+                        })
+                    });
+                    let exact = inside.count() as f64 / 64.0;
+                    let difference = (f64::from(*alpha) - exact).abs();
+                    if exact > 0.0 || *alpha > 0.0 {
+                        sum += difference;
+                        count += 1.0;
+                    }
+                    worst = worst.max(difference);
+                }
+                let name = format!("level {n}, house {i}, {width_m} m");
+                assert!(
+                    sum / count < 0.05 && worst < 0.3,
+                    "{name}: {} {worst}",
+                    sum / count
+                );
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn a_patched_drawing_is_the_drawing_of_all_that_is_left(
+        changed in 0..36_i32, moved in -3e-4..3e-4_f64, level in 13..18_u8, dashed in any::<bool>(),
+    ) {
+        let style = Style {
+            stroke: Some(RED),
+            stroke_width: Some(Length::Metres(3.0)),
+            dash: if dashed { vec![4.0, 2.0] } else { Vec::new() },
+            ..fill(BLUE)
+        };
+        let mut moved_house = Builder::degrees();
+        moved_house.ring(house(6, changed, moved), false).unwrap();
+        moved_house.feature().unwrap();
+        let added = Arc::new(moved_house.finish().unwrap());
+        let base = drawing(city(6), style.clone());
+        let patched = base.patched(vec![changed as usize], added).unwrap();
+        let mut all = Builder::degrees();
+        for i in 0..36 {
+            all.ring(house(6, i, if i == changed { moved } else { 0.0 }), false).unwrap();
+            all.feature().unwrap();
+        }
+        let whole = drawing(all.finish().unwrap(), style);
+        let grid = around(LevelKey::new(level, level), 8.0005, 0.0005, 300);
+        prop_assert_eq!(patched.fingerprint(&grid), whole.fingerprint(&grid));
+        prop_assert_eq!(patched.count(&grid), whole.count(&grid));
+        prop_assert_eq!(draw(&patched, &grid), draw(&whole, &grid));
+    }
+}
+
 #[test]
 fn columns_wrap_and_rows_come_back_over_the_pole() {
     let drawing = drawing(mix(179.9, 88.5), full());
@@ -271,8 +435,7 @@ fn columns_wrap_and_rows_come_back_over_the_pole() {
     );
     assert_eq!(here, there);
     assert!(here.plane(3).iter().any(|a| *a > 0.0));
-    // Rows above the pole mirror those below it on the other side; tiny-skia's coverage is not
-    // symmetric in its last steps.
+    // Rows above the pole mirror those below it on the other side.
     let above = draw(
         &drawing,
         &Grid::new(lattice, SampleRect::at(size.x / 2 - 40, -120, 80, 120)),
