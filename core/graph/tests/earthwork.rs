@@ -398,3 +398,37 @@ fn a_projected_grid_sees_the_same_heights() {
     assert!((1500..1700).contains(&level), "{level}");
     assert_eq!(heights.samples()[50 * 100 + 50], 30.0);
 }
+
+#[test]
+fn what_follows_another_list_is_reached_as_a_new_one_is() {
+    let frame = alps();
+    let mut dice = Dice(7);
+    let mut pad = || {
+        let (x, y) = (dice.within(-3000.0, 3000.0), dice.within(-3000.0, 3000.0));
+        let height_m = dice.within(0.0, 20.0);
+        place(square(&frame, x, y, 20.0, Surface::Platform { height_m }))
+    };
+    let mut list: Vec<_> = (0..150).map(|_| pad()).collect();
+    let mut node = Arc::new(Earthwork::new(Planet::EARTH, list.clone()));
+    for step in 0..15 {
+        match step % 5 {
+            0 => list.truncate(list.len() - 1),
+            1 => list.push(pad()),
+            2 => list.iter_mut().take(80).for_each(|e| *e = pad()),
+            _ => list[step * 3] = pad(),
+        }
+        let before = Arc::clone(&node);
+        node = Earthwork::following(&node, Planet::EARTH, list.clone());
+        assert!(!Arc::ptr_eq(&before, &node));
+        let same = Earthwork::following(&node, Planet::EARTH, list.clone());
+        assert!(Arc::ptr_eq(&node, &same));
+        let fresh = Earthwork::new(Planet::EARTH, list.clone());
+        for n in 12..16 {
+            let level = LevelKey::new(n, n);
+            let middle = level.sample_from_map(frame.origin()).as_i64vec2();
+            let rect = SampleRect::at(middle.x - 20, middle.y - 30, 40, 60);
+            let grid = Grid::new(Arc::new(level.lattice()), rect);
+            assert_eq!(node.touching(&grid), fresh.touching(&grid));
+        }
+    }
+}

@@ -55,7 +55,7 @@ fn tint(smooth: bool) -> Arc<Tint> {
 
 fn contour_lines(index_every: u32) -> Arc<ContourLines> {
     let style = ContourStyle {
-        interval_m: 40_000.0,
+        interval_m: Some(40_000.0),
         base_m: 100.0,
         index_every,
         rgb: [0.4, 0.2, 0.1],

@@ -171,11 +171,11 @@ impl Project {
                 Edit::SetLocked { id, locked }
             }
             Edit::SetBlend { id, blend } => {
-                let blend = mem::replace(self.colour_mut(&id, "blend mode")?.0, blend);
+                let blend = mem::replace(self.blend_mut(&id)?, blend);
                 Edit::SetBlend { id, blend }
             }
             Edit::SetAdjust { id, adjust } => {
-                let adjust = mem::replace(self.colour_mut(&id, "adjustment")?.1, adjust);
+                let adjust = mem::replace(self.adjust_mut(&id)?, adjust);
                 Edit::SetAdjust { id, adjust }
             }
             Edit::SetResampling { id, resampling } => {
@@ -199,6 +199,8 @@ impl Project {
                     | LayerKind::Height(_)
                     | LayerKind::Noise(_)
                     | LayerKind::Tint(_)
+                    | LayerKind::Slope(_)
+                    | LayerKind::Contours(_)
                     | LayerKind::Unknown { .. } => &mut self.source_mut(&id, "file")?.path,
                 };
                 let path = mem::replace(slot, path);
@@ -271,6 +273,22 @@ impl Project {
                 };
                 let tint = mem::replace(&mut slot.tint, tint);
                 Edit::SetTint { id, tint }
+            }
+            Edit::SetSlope { id, slope } => {
+                let layer = self.layer_mut(&id)?;
+                let LayerKind::Slope(slot) = &mut layer.kind else {
+                    return Err(wrong_kind(layer, "slope colours", "a slope layer"));
+                };
+                let slope = mem::replace(slot, slope);
+                Edit::SetSlope { id, slope }
+            }
+            Edit::SetContours { id, contours } => {
+                let layer = self.layer_mut(&id)?;
+                let LayerKind::Contours(slot) = &mut layer.kind else {
+                    return Err(wrong_kind(layer, "contour lines", "a contours layer"));
+                };
+                let contours = mem::replace(slot, contours);
+                Edit::SetContours { id, contours }
             }
             Edit::SetPlanet { planet } => Edit::SetPlanet {
                 planet: mem::replace(&mut self.planet, planet),
@@ -471,6 +489,8 @@ impl Project {
             }
             LayerKind::Noise(_)
             | LayerKind::Tint(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
             | LayerKind::Vector(_)
             | LayerKind::Unknown { .. } => {
                 return Err(wrong_kind(layer, "bands", "an imagery or height layer"));
@@ -496,6 +516,8 @@ impl Project {
             LayerKind::Height(height) => Ok(&mut height.source),
             kind @ (LayerKind::Noise(_)
             | LayerKind::Tint(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
             | LayerKind::Vector(_)
             | LayerKind::Unknown { .. }) => Err(EditError::WrongKind {
                 id: id.0.clone(),
@@ -506,21 +528,38 @@ impl Project {
         }
     }
 
-    fn colour_mut(
-        &mut self,
-        id: &LayerId,
-        what: &'static str,
-    ) -> Result<(&mut Blend, &mut Adjust), EditError> {
+    fn blend_mut(&mut self, id: &LayerId) -> Result<&mut Blend, EditError> {
         let layer = self.layer_mut(id)?;
         match &mut layer.kind {
-            LayerKind::Imagery(imagery) => Ok((&mut imagery.blend, &mut imagery.adjust)),
-            LayerKind::Tint(tint) => Ok((&mut tint.blend, &mut tint.adjust)),
+            LayerKind::Imagery(imagery) => Ok(&mut imagery.blend),
+            LayerKind::Tint(tint) => Ok(&mut tint.blend),
+            LayerKind::Slope(slope) => Ok(&mut slope.blend),
+            LayerKind::Contours(contours) => Ok(&mut contours.blend),
             kind @ (LayerKind::Height(_)
             | LayerKind::Noise(_)
             | LayerKind::Vector(_)
             | LayerKind::Unknown { .. }) => Err(EditError::WrongKind {
                 id: id.0.clone(),
-                what,
+                what: "blend mode",
+                expected: "an imagery, tint, slope or contours layer",
+                kind: kind.name().to_owned(),
+            }),
+        }
+    }
+
+    fn adjust_mut(&mut self, id: &LayerId) -> Result<&mut Adjust, EditError> {
+        let layer = self.layer_mut(id)?;
+        match &mut layer.kind {
+            LayerKind::Imagery(imagery) => Ok(&mut imagery.adjust),
+            LayerKind::Tint(tint) => Ok(&mut tint.adjust),
+            kind @ (LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. }) => Err(EditError::WrongKind {
+                id: id.0.clone(),
+                what: "adjustment",
                 expected: "an imagery or tint layer",
                 kind: kind.name().to_owned(),
             }),

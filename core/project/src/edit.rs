@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use crate::{
-    Adjust, Blend, Bookmark, CameraSettings, Change, Element, ElementId, ElementStyle,
-    Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Noise, PlanetSettings, Quality,
-    Resampling, Scenario, ScenarioId, Stretch, Sun, TileRows, Tint, VectorStyle,
+    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Element, ElementId,
+    ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Noise,
+    PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun, TileRows,
+    Tint, VectorStyle,
 };
 
 /// One change of a project. Values replace the old ones as a whole.
@@ -58,7 +59,7 @@ pub enum Edit {
         /// Whether edits in the window are refused.
         locked: bool,
     },
-    /// Changes how an imagery or tint layer meets the layers below.
+    /// Changes how an imagery, tint, slope or contours layer meets the layers below.
     SetBlend {
         /// Which.
         id: LayerId,
@@ -152,6 +153,20 @@ pub enum Edit {
         id: LayerId,
         /// All stops.
         tint: Tint,
+    },
+    /// Changes a slope layer's colours.
+    SetSlope {
+        /// Which.
+        id: LayerId,
+        /// All of it.
+        slope: SlopeLayer,
+    },
+    /// Changes a layer of contour lines.
+    SetContours {
+        /// Which.
+        id: LayerId,
+        /// All of it.
+        contours: ContoursLayer,
     },
     /// Changes the planet and the exaggeration.
     SetPlanet {
@@ -447,7 +462,7 @@ pub enum Aspect {
     Tint,
     /// An element's geometry, heights or side slopes.
     Shape,
-    /// Its colours: of an element, or of a vector layer's features.
+    /// Its colours: of an element, of a vector layer's features, of slopes or contour lines.
     Style,
 }
 

@@ -6,6 +6,7 @@ use crate::{Affects, Aspect, Edit, Element, LayerId, Project, Vertices};
 
 impl Edit {
     /// The layer it touches, where it touches one.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the others touch no layer")]
     pub fn layer_id(&self) -> Option<&LayerId> {
         match self {
             Self::AddLayer { layer, .. } => Some(&layer.id),
@@ -28,35 +29,12 @@ impl Edit {
             | Self::SetHeightScale { id, .. }
             | Self::SetNoise { id, .. }
             | Self::SetTint { id, .. }
+            | Self::SetSlope { id, .. }
+            | Self::SetContours { id, .. }
             | Self::SetVectorStyle { id, .. }
             | Self::SetVectorSource { id, .. }
             | Self::SetScenarioLayer { id, .. } => Some(id),
-            Self::AddElement { .. }
-            | Self::RemoveElement { .. }
-            | Self::ReplaceElement { .. }
-            | Self::MoveElement { .. }
-            | Self::SetElementName { .. }
-            | Self::SetElementVisible { .. }
-            | Self::SetElementLocked { .. }
-            | Self::SetElementStyle { .. }
-            | Self::SetChange { .. }
-            | Self::SetChanges { .. }
-            | Self::AddScenario { .. }
-            | Self::RemoveScenario { .. }
-            | Self::RenameScenario { .. }
-            | Self::DuplicateScenario { .. }
-            | Self::MergeScenario { .. }
-            | Self::SetScenarioParent { .. }
-            | Self::ShowScenario { .. }
-            | Self::AddBookmark { .. }
-            | Self::RemoveBookmark { .. }
-            | Self::ReplaceBookmark { .. }
-            | Self::SetPlanet { .. }
-            | Self::SetExaggeration { .. }
-            | Self::SetCamera { .. }
-            | Self::SetSun { .. }
-            | Self::SetQuality { .. }
-            | Self::Batch { .. } => None,
+            _ => None,
         }
     }
 
@@ -91,7 +69,9 @@ impl Edit {
             Self::SetHeightScale { .. } => Aspect::HeightScale,
             Self::SetNoise { .. } => Aspect::Noise,
             Self::SetTint { .. } => Aspect::Tint,
-            Self::SetVectorStyle { .. } => Aspect::Style,
+            Self::SetVectorStyle { .. } | Self::SetSlope { .. } | Self::SetContours { .. } => {
+                Aspect::Style
+            }
             Self::AddElement { .. }
             | Self::RemoveElement { .. }
             | Self::ReplaceElement { .. }
@@ -138,6 +118,10 @@ impl Edit {
 
     /// What people call it, for the undo menu: `Opacity of Blue Marble`. `project` knows the names,
     /// before or after the edit.
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the others are labelled with what they plan"
+    )]
     pub fn label(&self, project: &Project) -> String {
         let what = match self {
             Self::AddLayer { .. } => "Add",
@@ -161,30 +145,9 @@ impl Edit {
             Self::SetBands { .. } => "Bands of",
             Self::SetHeightScale { .. } => "Height scale of",
             Self::SetNoise { .. } => "Noise of",
-            Self::SetTint { .. } => "Colours of",
-            Self::SetVectorStyle { .. } => "Style of",
+            Self::SetTint { .. } | Self::SetSlope { .. } => "Colours of",
+            Self::SetVectorStyle { .. } | Self::SetContours { .. } => "Style of",
             Self::SetVectorSource { .. } => "Source of",
-            Self::AddElement { .. }
-            | Self::RemoveElement { .. }
-            | Self::ReplaceElement { .. }
-            | Self::MoveElement { .. }
-            | Self::SetElementName { .. }
-            | Self::SetElementVisible { .. }
-            | Self::SetElementLocked { .. }
-            | Self::SetElementStyle { .. }
-            | Self::SetChange { .. }
-            | Self::SetChanges { .. }
-            | Self::AddScenario { .. }
-            | Self::RemoveScenario { .. }
-            | Self::RenameScenario { .. }
-            | Self::DuplicateScenario { .. }
-            | Self::MergeScenario { .. }
-            | Self::SetScenarioParent { .. }
-            | Self::SetScenarioLayer { .. }
-            | Self::ShowScenario { .. }
-            | Self::AddBookmark { .. }
-            | Self::RemoveBookmark { .. }
-            | Self::ReplaceBookmark { .. } => return self.planning_label(project),
             Self::SetPlanet { .. } => return "Planet".to_owned(),
             Self::SetExaggeration { .. } => return "Vertical exaggeration".to_owned(),
             Self::SetCamera { .. } => return "Camera".to_owned(),
@@ -202,6 +165,7 @@ impl Edit {
                     label.clone()
                 };
             }
+            _ => return self.planning_label(project),
         };
         let name = if let Self::AddLayer { layer, .. } = self {
             &layer.name
@@ -284,11 +248,13 @@ fn own_vertices(element: &Element, project: &Project) -> usize {
 
 /// Which adjustment differs from the project's, where it is one.
 fn adjusted(project: &Project, id: &LayerId, new: &crate::Adjust) -> &'static str {
-    use crate::LayerKind::{Height, Imagery, Noise, Tint, Unknown, Vector};
+    use crate::LayerKind::{Contours, Height, Imagery, Noise, Slope, Tint, Unknown, Vector};
     let old = match project.layer(id).map(|layer| &layer.kind) {
         Some(Imagery(imagery)) => &imagery.adjust,
         Some(Tint(tint)) => &tint.adjust,
-        Some(Height(_) | Noise(_) | Vector(_) | Unknown { .. }) | None => return "Adjustment of",
+        Some(Height(_) | Noise(_) | Slope(_) | Contours(_) | Vector(_) | Unknown { .. }) | None => {
+            return "Adjustment of";
+        }
     };
     let changes = [
         (old.brightness != new.brightness, "Brightness of"),

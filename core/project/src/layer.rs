@@ -1,6 +1,6 @@
 //! Layers of the runtime document.
 
-use crate::{Extra, LayerId, VectorLayer};
+use crate::{ContoursLayer, Extra, LayerId, SlopeLayer, TintLayer, VectorLayer};
 
 /// One layer of the stack.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,8 @@ impl Layer {
             LayerKind::Height(height) => Some(&height.source),
             LayerKind::Noise(_)
             | LayerKind::Tint(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
             | LayerKind::Vector(_)
             | LayerKind::Unknown { .. } => None,
         }
@@ -55,6 +57,8 @@ impl Layer {
             | LayerKind::Height(_)
             | LayerKind::Noise(_)
             | LayerKind::Tint(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
             | LayerKind::Unknown { .. } => self.source().map(|source| source.path.as_str()),
         }
     }
@@ -69,8 +73,12 @@ pub enum LayerKind {
     Height(HeightLayer),
     /// Heights from fractal noise.
     Noise(NoiseLayer),
-    /// Colours from the heights of all height layers.
+    /// Colours from the heights of the shown ground.
     Tint(TintLayer),
+    /// Colours from the steepness of the shown ground.
+    Slope(SlopeLayer),
+    /// Lines of equal height of the shown ground.
+    Contours(ContoursLayer),
     /// Features from a vector file.
     Vector(Box<VectorLayer>),
     /// A kind that a newer program made: kept, shown by name, without effect.
@@ -81,14 +89,16 @@ pub enum LayerKind {
 }
 
 impl LayerKind {
-    /// The kind's name in the file: `imagery`, `height`, `noise`, `tint`, `vector` or the unknown
-    /// name.
+    /// The kind's name in the file: `imagery`, `height`, `noise`, `tint`, `slope`, `contours`,
+    /// `vector` or the unknown name.
     pub fn name(&self) -> &str {
         match self {
             Self::Imagery(_) => "imagery",
             Self::Height(_) => "height",
             Self::Noise(_) => "noise",
             Self::Tint(_) => "tint",
+            Self::Slope(_) => "slope",
+            Self::Contours(_) => "contours",
             Self::Vector(_) => "vector",
             Self::Unknown { kind } => kind,
         }
@@ -385,57 +395,4 @@ pub enum NoiseMode {
     /// Adds to them; where there are none, to 0.
     #[default]
     Add,
-}
-
-/// Colours from heights.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TintLayer {
-    /// The colours.
-    pub tint: Tint,
-    /// How it meets the layers below.
-    pub blend: Blend,
-    /// Colour adjustment.
-    pub adjust: Adjust,
-}
-
-/// A table of colours by height.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tint {
-    /// 1 to 1000 stops, heights strictly rising. Below the first and above the last their colours
-    /// continue.
-    pub stops: Vec<TintStop>,
-    /// What happens between stops. Default smooth.
-    pub interpolation: TintInterpolation,
-}
-
-/// The colour at a height.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TintStop {
-    /// Metres, −10⁷ to 10⁷.
-    pub height_m: f64,
-    /// sRGB red, green, blue.
-    pub colour: [u8; 3],
-    /// Unknown fields of the file.
-    pub extra: Extra,
-}
-
-impl TintStop {
-    /// A stop.
-    pub fn new(height_m: f64, colour: [u8; 3]) -> Self {
-        Self {
-            height_m,
-            colour,
-            extra: Extra::new(),
-        }
-    }
-}
-
-/// What happens between two stops.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum TintInterpolation {
-    /// Colours change linearly.
-    #[default]
-    Smooth,
-    /// The lower stop's colour holds up to the next.
-    Stepped,
 }

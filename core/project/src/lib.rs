@@ -23,6 +23,7 @@ mod label;
 mod layer;
 mod lock;
 mod paths;
+mod relief;
 mod scenario;
 mod side;
 mod stored;
@@ -52,11 +53,13 @@ pub use journal::{
 pub use json::{MOST_BYTES, schema, schema_text};
 pub use layer::{
     Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer,
-    LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows, Tint,
-    TintInterpolation, TintLayer, TintStop,
+    LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows,
 };
 pub use lock::{Holder, LockError, ProjectLock};
 pub use paths::{resolve_path, store_path};
+pub use relief::{
+    ContoursLayer, SlopeLayer, SlopeStop, SlopeUnit, Tint, TintInterpolation, TintLayer, TintStop,
+};
 pub use scenario::{Change, ChangeKind, LayerOverride, Scenario};
 pub use side::{MissingGeometry, side_folder};
 pub use stored::fault::{Fault, quote};

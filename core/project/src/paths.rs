@@ -96,7 +96,11 @@ fn rebase_kind(kind: &mut LayerKind, from: &Path, to: &Path) {
         LayerKind::Imagery(imagery) => imagery.source.path = rebase(&imagery.source.path, from, to),
         LayerKind::Height(height) => height.source.path = rebase(&height.source.path, from, to),
         LayerKind::Vector(vector) => vector.path = rebase(&vector.path, from, to),
-        LayerKind::Noise(_) | LayerKind::Tint(_) | LayerKind::Unknown { .. } => {}
+        LayerKind::Noise(_)
+        | LayerKind::Tint(_)
+        | LayerKind::Slope(_)
+        | LayerKind::Contours(_)
+        | LayerKind::Unknown { .. } => {}
     }
 }
 

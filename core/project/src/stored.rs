@@ -14,6 +14,7 @@ pub(crate) mod fault;
 pub(crate) mod migrate;
 pub(crate) mod parse;
 pub(crate) mod range;
+pub(crate) mod relief;
 pub(crate) mod scenarios;
 pub(crate) mod stretch;
 pub(crate) mod v1;

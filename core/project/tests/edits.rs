@@ -6,10 +6,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use relievo_project::{
-    Adjust, Affects, Aspect, Blend, CameraSettings, Edit, Georeference, HeightEncoding,
-    HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Noise, NoiseLayer,
-    PlanetSettings, Project, Quality, Resampling, Source, Stretch, Sun, TileRows, Tint,
-    TintInterpolation, TintStop,
+    Adjust, Affects, Aspect, Blend, CameraSettings, ContoursLayer, Edit, Georeference,
+    HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Noise,
+    NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source,
+    Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop,
 };
 
 const EVERYTHING: &str = include_str!("data/everything.relievo");
@@ -34,6 +34,8 @@ fn id() -> impl Strategy<Value = LayerId> {
         "detail",
         "tint",
         "roads",
+        "steep",
+        "lines",
         "new-1",
         "new-2",
     ])
@@ -152,6 +154,23 @@ fn edit() -> impl Strategy<Value = Edit> {
                     },
                 }
             }),
+        (id(), prop::collection::vec(-9.0..99.0_f64, 0..3)).prop_map(|(id, slopes_deg)| {
+            let stops = slopes_deg.into_iter();
+            Edit::SetSlope {
+                id,
+                slope: SlopeLayer {
+                    stops: stops.map(|deg| SlopeStop::new(deg, [9; 3])).collect(),
+                    ..SlopeLayer::default()
+                },
+            }
+        }),
+        (id(), prop::option::of(value.clone())).prop_map(|(id, interval_m)| Edit::SetContours {
+            id,
+            contours: ContoursLayer {
+                interval_m,
+                ..ContoursLayer::default()
+            },
+        }),
     ];
     let whole = prop_oneof![
         Just(Edit::SetPlanet {

@@ -8,8 +8,8 @@ use crate::{IdHasher, ImageNode, Job, Known, RenderError};
 /// What contour lines look like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourStyle {
-    /// Metres between lines, positive.
-    pub interval_m: f64,
+    /// Metres between lines, positive. `None`: as the samples ask for, see [`automatic_interval_m`].
+    pub interval_m: Option<f64>,
     /// A height in metres that has a line; index lines are counted from it.
     pub base_m: f64,
     /// Every how many lines one is an index line; 0 for none, 1 for all.
@@ -26,8 +26,8 @@ pub struct ContourStyle {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ContourStyleError {
     /// The interval is none.
-    #[error("contours need a positive interval and a finite base in metres, found {0} and {1}")]
-    Interval(f64, f64),
+    #[error("contours need a positive interval and a finite base in metres, found {0:?} and {1}")]
+    Interval(Option<f64>, f64),
     /// A width is none.
     #[error("contours are 0 to 100 samples wide, found {0}")]
     Width(f32),
@@ -56,7 +56,7 @@ impl ContourLines {
     /// # Errors
     /// [`ContourStyleError`].
     pub fn new(planet: Planet, style: ContourStyle) -> Result<Self, ContourStyleError> {
-        let interval = style.interval_m.is_finite() && style.interval_m > 0.0;
+        let interval = style.interval_m.is_none_or(|m| m.is_finite() && m > 0.0);
         if !interval || !style.base_m.is_finite() {
             return Err(ContourStyleError::Interval(style.interval_m, style.base_m));
         }
@@ -83,20 +83,52 @@ impl ContourLines {
         }
     }
 
+    /// The lines as they lie on a grid.
+    fn on(&self, grid: &Grid) -> Lines {
+        let sample_m = self.sample_m(grid);
+        Lines {
+            style: self.style,
+            interval_m: self
+                .style
+                .interval_m
+                .unwrap_or_else(|| automatic_interval_m(sample_m)),
+            sample_m,
+        }
+    }
+}
+
+/// What [`automatic_interval_m`] chooses from; each divides the next.
+const INTERVALS_M: [f64; 18] = [
+    1e-2, 5e-2, 0.1, 0.5, 1.0, 5.0, 10.0, 50.0, 1e2, 5e2, 1e3, 5e3, 1e4, 5e4, 1e5, 5e5, 1e6, 5e6,
+];
+
+/// Metres between contours where samples are as large as that: 1 or 5 times a power of ten, at least two
+/// samples, so that ground that rises by a fifth has one about every ten samples or less often. Intervals
+/// divide each other, so a line that is there from afar stays there from near by.
+pub fn automatic_interval_m(sample_m: f64) -> f64 {
+    let wide = |m: &f64| *m >= 2.0 * sample_m;
+    let [.., widest] = INTERVALS_M;
+    INTERVALS_M.into_iter().find(wide).unwrap_or(widest)
+}
+
+/// Contour lines on a grid.
+struct Lines {
+    style: ContourStyle,
+    interval_m: f64,
+    sample_m: f64,
+}
+
+impl Lines {
     /// How much lines cover a sample, 0 to 1. `rise_m` is what the ground rises over a sample.
     fn cover(&self, height_m: f64, rise_m: f64) -> f32 {
-        let style = &self.style;
-        let all = lines(
-            height_m,
-            rise_m,
-            style.interval_m,
-            style.base_m,
-            style.width,
-        );
+        let Self {
+            style, interval_m, ..
+        } = self;
+        let all = lines(height_m, rise_m, *interval_m, style.base_m, style.width);
         if style.index_every == 0 {
             return all;
         }
-        let interval_m = style.interval_m * f64::from(style.index_every);
+        let interval_m = interval_m * f64::from(style.index_every);
         all.max(lines(
             height_m,
             rise_m,
@@ -107,10 +139,10 @@ impl ContourLines {
     }
 
     /// One sample.
-    fn colour(&self, height_m: f32, east: f32, north: f32, sample_m: f64) -> [f32; 4] {
+    fn colour(&self, height_m: f32, east: f32, north: f32) -> [f32; 4] {
         let (east, north) = (f64::from(east), f64::from(north));
         let sine_sq = (east * east + north * north).min(1.0 - 1e-9);
-        let rise_m = (sine_sq / (1.0 - sine_sq)).sqrt() * sample_m;
+        let rise_m = (sine_sq / (1.0 - sine_sq)).sqrt() * self.sample_m;
         let alpha = self.cover(f64::from(height_m), rise_m);
         // Also where the height is missing.
         if alpha > 0.0 {
@@ -152,14 +184,15 @@ impl ImageNode for ContourLines {
 
     fn identify(&self, grid: &Grid, id: &mut IdHasher) {
         let style = &self.style;
-        id.float(style.interval_m).float(style.base_m);
+        let lines = self.on(grid);
+        id.float(lines.interval_m).float(style.base_m);
         id.int(i64::from(style.index_every));
         for v in style.rgb {
             id.float(f64::from(v));
         }
         id.float(f64::from(style.width));
         id.float(f64::from(style.index_width));
-        id.float(self.sample_m(grid));
+        id.float(lines.sample_m);
     }
 
     fn known(&self, grid: &Grid, inputs: &[Known]) -> Known {
@@ -169,7 +202,7 @@ impl ImageNode for ContourLines {
                 Known::Uniform([0.0; 4])
             }
             (Known::Uniform([h, ..]), Known::Uniform([east, north, ..])) => {
-                Known::Uniform(self.colour(h, east, north, self.sample_m(grid)))
+                Known::Uniform(self.on(grid).colour(h, east, north))
             }
             _ => Known::Nothing,
         }
@@ -179,12 +212,12 @@ impl ImageNode for ContourLines {
         if job.cancel.is_cancelled() {
             return Err(RenderError::Cancelled);
         }
-        let sample_m = self.sample_m(job.grid);
+        let lines = self.on(job.grid);
         let heights = inputs[0].plane(0);
         let (east, north) = (inputs[1].plane(0), inputs[1].plane(1));
         let [red, green, blue, alpha] = out.planes_mut();
         for (i, height_m) in heights.iter().enumerate() {
-            let [r, g, b, a] = self.colour(*height_m, east[i], north[i], sample_m);
+            let [r, g, b, a] = lines.colour(*height_m, east[i], north[i]);
             (red[i], green[i], blue[i], alpha[i]) = (r, g, b, a);
         }
         Ok(())
@@ -199,7 +232,7 @@ mod tests {
 
     fn style() -> ContourStyle {
         ContourStyle {
-            interval_m: 100.0,
+            interval_m: Some(100.0),
             base_m: 0.0,
             index_every: 5,
             rgb: [0.4, 0.2, 0.1],
@@ -208,8 +241,16 @@ mod tests {
         }
     }
 
+    fn drawn(sample_m: f64) -> Lines {
+        Lines {
+            style: style(),
+            interval_m: 100.0,
+            sample_m,
+        }
+    }
+
     /// Coverage summed along a line up a plane that rises by `rise_m` a sample, past one contour.
-    fn across(lines: &ContourLines, contour_m: f64, rise_m: f64) -> f32 {
+    fn across(lines: &Lines, contour_m: f64, rise_m: f64) -> f32 {
         (-40..=40)
             .map(|i| lines.cover(contour_m + (f64::from(i) + 0.31) * rise_m, rise_m))
             .sum()
@@ -218,7 +259,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_line_is_as_wide_as_asked_however_steep_the_ground(rise_m in 0.5..1.0_f64) {
-            let lines = ContourLines::new(Planet::EARTH, style()).unwrap();
+            let lines = drawn(30.0);
             prop_assert!((across(&lines, 200.0, rise_m) - 1.5).abs() < 0.05);
             prop_assert!((across(&lines, 500.0, rise_m) - 3.0).abs() < 0.05);
             prop_assert!((across(&lines, -1000.0, rise_m) - 3.0).abs() < 0.05);
@@ -226,14 +267,14 @@ mod tests {
 
         #[test]
         fn coverage_is_never_beyond_none_and_all(h in -1e4..1e4_f64, rise in 0.0..1e4_f64) {
-            let lines = ContourLines::new(Planet::EARTH, style()).unwrap();
+            let lines = drawn(30.0);
             prop_assert!((0.0..=1.0).contains(&lines.cover(h, rise)));
         }
     }
 
     #[test]
     fn where_lines_crowd_only_index_lines_stay_and_then_none() {
-        let lines = ContourLines::new(Planet::EARTH, style()).unwrap();
+        let lines = drawn(30.0);
         assert_eq!(across(&lines, 0.0, 1e5), 0.0);
         // 100 m are 1.25 samples: closer than a line is wide; 500 m are 6.25 samples.
         let crowded = |h: f64| lines.cover(h, 80.0);
@@ -243,17 +284,28 @@ mod tests {
 
     #[test]
     fn level_ground_and_missing_ground_have_no_lines() {
-        let lines = ContourLines::new(Planet::EARTH, style()).unwrap();
-        assert_eq!(lines.colour(500.0, 0.0, 0.0, 30.0), [0.0; 4]);
-        assert_eq!(lines.colour(f32::NAN, 0.3, 0.0, 30.0), [0.0; 4]);
-        assert_eq!(lines.colour(500.0, 0.01, 0.0, 30.0), [0.4, 0.2, 0.1, 1.0]);
+        let lines = drawn(30.0);
+        assert_eq!(lines.colour(500.0, 0.0, 0.0), [0.0; 4]);
+        assert_eq!(lines.colour(f32::NAN, 0.3, 0.0), [0.0; 4]);
+        assert_eq!(lines.colour(500.0, 0.01, 0.0), [0.4, 0.2, 0.1, 1.0]);
+    }
+
+    #[test]
+    fn automatic_intervals_are_round_and_each_divides_the_next() {
+        assert_eq!(automatic_interval_m(4.8), 10.0);
+        assert_eq!(automatic_interval_m(9.6), 50.0);
+        assert_eq!(automatic_interval_m(0.3), 1.0);
+        for pair in INTERVALS_M.windows(2) {
+            let times = pair[1] / pair[0];
+            assert!((times - times.round()).abs() < 1e-9 && times > 1.5);
+        }
     }
 
     #[test]
     fn styles_without_sense_are_refused() {
         for wrong in [
             ContourStyle {
-                interval_m: 0.0,
+                interval_m: Some(0.0),
                 ..style()
             },
             ContourStyle {

@@ -2,13 +2,14 @@
 
 mod ground_shape;
 mod reach;
+mod reaches;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
 
-use relievo_earthwork::{Design, MapIndex, Outcome, Prepared, Samples, Shaped};
+use relievo_earthwork::{Design, Outcome, Prepared, Samples, Shaped};
 use relievo_planet::{Grid, GridCrs, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
 
@@ -16,6 +17,7 @@ use super::ground::Ground;
 use crate::node::{Artefact, Made};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 use ground_shape::GroundShape;
+use reaches::Reaches;
 
 const KIND: &str = "earthwork";
 
@@ -56,7 +58,7 @@ impl PlacedElement {
 pub struct Earthwork {
     planet: Planet,
     elements: Vec<Arc<PlacedElement>>,
-    index: MapIndex,
+    index: Reaches,
     /// What touches the grids that were asked about last: each is asked about several times.
     asked: Mutex<VecDeque<(Grid, Arc<[u32]>)>>,
 }
@@ -69,10 +71,31 @@ impl Earthwork {
     pub fn new(planet: Planet, elements: Vec<Arc<PlacedElement>>) -> Self {
         Self {
             planet,
-            index: MapIndex::new(elements.iter().map(|e| e.prepared.reach())),
+            index: Reaches::new(&elements),
             elements,
             asked: Mutex::default(),
         }
+    }
+
+    /// [`Self::new`], but what `before` knows of elements that both have costs nothing again: a drag
+    /// costs what the dragged element does, whatever else there is.
+    pub fn following(
+        before: &Arc<Self>,
+        planet: Planet,
+        elements: Vec<Arc<PlacedElement>>,
+    ) -> Arc<Self> {
+        let pairs = before.elements.iter().zip(&elements);
+        let same = before.elements.len() == elements.len()
+            && pairs.fold(true, |same, (a, b)| same & Arc::ptr_eq(a, b));
+        if same && before.planet == planet {
+            return Arc::clone(before);
+        }
+        Arc::new(Self {
+            planet,
+            index: before.index.follow(&elements),
+            elements,
+            asked: Mutex::default(),
+        })
     }
 
     /// The elements.
@@ -105,7 +128,7 @@ impl Earthwork {
         let mut found: Vec<u32> = rects
             .iter()
             .flat_map(|rect| {
-                let near = self.index.touching(rect).into_iter();
+                let near = self.index.touching(rect, &self.elements).into_iter();
                 near.filter(|i| {
                     let prepared = &self.elements[*i as usize].prepared;
                     prepared.matters_at(spacing_m) && prepared.touches(rect)

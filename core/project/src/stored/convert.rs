@@ -2,6 +2,7 @@
 
 mod elements;
 mod layer;
+mod relief;
 mod scenarios;
 mod settings;
 mod vector;
@@ -11,9 +12,8 @@ use std::collections::BTreeMap;
 pub(crate) use elements::{check_element, element_id};
 pub(crate) use scenarios::{changes, check_change, scenario_id};
 
-pub(crate) use layer::{
-    bands, layer_id, layer_name, source_path, stored_tint, tint, unknown_is_unknown,
-};
+pub(crate) use layer::{bands, layer_id, layer_name, source_path, unknown_is_unknown};
+pub(crate) use relief::{stored_tint, tint};
 
 use super::fault::{At, Fault};
 use super::value::With;

@@ -3,9 +3,10 @@
 //! Unlike in a project, a member that is not known is an error: a script's slip of the pen would
 //! otherwise pass in silence.
 
+mod check;
 mod convert;
 
-pub(crate) use convert::{apart, check};
+pub(crate) use check::{apart, check};
 
 use std::borrow::Cow;
 
@@ -18,7 +19,7 @@ use super::scenarios::{Bookmark, Change, LayerOverride, Scenario};
 use super::stretch::StoredStretch;
 use super::value::{Fields, Stored, With, object};
 use super::vector::VectorStyle;
-use super::{range, v1};
+use super::{range, relief, v1};
 use crate::Extra;
 
 macro_rules! stored_edits {
@@ -97,7 +98,7 @@ stored_edits! {
     SetOpacity = "set_opacity" { id: String, opacity: f64 = range::SHARE, }
     /// Locks or unlocks a layer.
     SetLocked = "set_locked" { id: String, locked: bool, }
-    /// Changes how an imagery or tint layer meets the layers below.
+    /// Changes how an imagery, tint, slope or contours layer meets the layers below.
     SetBlend = "set_blend" { id: String, blend: v1::Blend, }
     /// Replaces the colour adjustment of an imagery or tint layer.
     SetAdjust = "set_adjust" { id: String, adjust: With<v1::Adjust>, }
@@ -132,9 +133,13 @@ stored_edits! {
     /// Replaces a tint layer's colours.
     SetTint = "set_tint" {
         id: String,
-        stops: Vec<With<v1::TintStop>>,
-        interpolation: Option<v1::TintInterpolation>,
+        stops: Vec<With<relief::TintStop>>,
+        interpolation: Option<relief::TintInterpolation>,
     }
+    /// Replaces a slope layer's colours.
+    SetSlope = "set_slope" { id: String, slope: With<relief::Slope>, }
+    /// Replaces what a layer of contour lines looks like.
+    SetContours = "set_contours" { id: String, contours: With<relief::Contours>, }
     /// Replaces the planet and the exaggeration.
     SetPlanet = "set_planet" { planet: With<v1::Planet>, }
     /// Changes the exaggeration alone.

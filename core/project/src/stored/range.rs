@@ -41,6 +41,11 @@ pub(crate) const AMPLITUDE_M: Range<f64> = range(0.0, 1e6);
 pub(crate) const WAVELENGTH_M: Range<f64> = range(1e-3, 1e9);
 pub(crate) const OCTAVES: Range<u32> = range(1, 32);
 pub(crate) const LACUNARITY: Range<f64> = range(1.0, 8.0);
+pub(crate) const SLOPE_DEG: Range<f64> = range(0.0, 90.0);
+/// Between contour lines.
+pub(crate) const INTERVAL_M: Range<f64> = range(1e-3, 1e6);
+pub(crate) const INDEX_EVERY: Range<u32> = range(0, 1000);
+pub(crate) const LINE_PX: Range<f64> = range(0.0, 100.0);
 pub(crate) const SIDE_SLOPE: Range<f64> = range(0.01, 100.0);
 /// Reaches, depths, strokes and smoothing lengths of elements.
 pub(crate) const REACH_M: Range<f64> = range(0.0, 1e5);
@@ -59,7 +64,7 @@ pub(crate) const SCALE: Range<f64> = range(0.0, 1e12);
 pub(crate) const COLOUR_WINDOWS: [u32; 5] = [256, 512, 1024, 2048, 4096];
 /// Most layers in a project.
 pub(crate) const MOST_LAYERS: usize = 10_000;
-/// Most stops of a tint.
+/// Most stops of a table of colours.
 pub(crate) const MOST_STOPS: usize = 1000;
 /// Longest path and coordinate system in bytes.
 pub(crate) const LONGEST_PATH: usize = 4096;

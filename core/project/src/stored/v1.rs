@@ -10,6 +10,7 @@ use serde_json::Value;
 use super::elements::Element;
 use super::fault::{At, Fault, describe, quote};
 use super::range;
+use super::relief::{Contours, Slope, Tint};
 use super::scenarios::{Bookmark, Scenario};
 use super::stretch::StoredStretch;
 use super::value::{Fields, InRange as _, Stored, With, object, put_extra};
@@ -244,7 +245,7 @@ fields! {
         /// What people call it; the id where left out.
         #[schemars(length(max = range::LONGEST_NAME))]
         name: Option<String>,
-        /// `imagery`, `height`, `noise`, `tint`, `vector`; layers of other kinds are kept and have no effect.
+        /// `imagery`, `height`, `noise`, `tint`, `slope`, `contours`, `vector`; layers of other kinds are kept and have no effect.
         kind: String,
         /// Whether the layer takes part; true where left out.
         visible: Option<bool>,
@@ -331,32 +332,6 @@ fields! {
         offset_m: Option<f64> = range::HEIGHT_M,
         /// Whether the noise adds to the heights below or replaces them; add where left out.
         mode: Option<NoiseMode>,
-    }
-}
-
-fields! {
-    /// Colours from heights.
-    Tint {
-        /// Colours by height, heights strictly rising.
-        #[schemars(length(min = 1, max = range::MOST_STOPS))]
-        stops: Vec<With<TintStop>>,
-        /// What happens between stops; smooth where left out.
-        interpolation: Option<TintInterpolation>,
-        /// How the colour meets what lies below; normal where left out.
-        blend: Option<Blend>,
-        /// Colour adjustment; none where left out.
-        adjust: Option<With<Adjust>>,
-    }
-}
-
-fields! {
-    /// The colour at a height.
-    TintStop {
-        /// Metres.
-        height_m: f64 = range::HEIGHT_M,
-        /// sRGB, `#rrggbb`.
-        #[schemars(regex(pattern = "^#[0-9A-Fa-f]{6}$"))]
-        colour: String,
     }
 }
 
@@ -456,16 +431,6 @@ names! {
     }
 }
 
-names! {
-    /// What happens between two stops.
-    TintInterpolation for crate::TintInterpolation {
-        /// Colours change linearly.
-        Smooth = "smooth",
-        /// The lower stop's colour holds up to the next.
-        Stepped = "stepped",
-    }
-}
-
 /// A layer: what all have, and what its kind has, in one object.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layer {
@@ -488,6 +453,10 @@ pub(crate) enum LayerKind {
     Noise(Noise),
     /// `tint`.
     Tint(Tint),
+    /// `slope`.
+    Slope(Slope),
+    /// `contours`.
+    Contours(Contours),
     /// `vector`.
     Vector(Box<Vector>),
     /// Any other: everything is in [`Layer::extra`].
@@ -495,7 +464,9 @@ pub(crate) enum LayerKind {
 }
 
 /// Kinds of layers that this version knows.
-pub(crate) const KINDS: [&str; 5] = ["imagery", "height", "noise", "tint", "vector"];
+pub(crate) const KINDS: [&str; 7] = [
+    "imagery", "height", "noise", "tint", "slope", "contours", "vector",
+];
 
 impl Stored for Layer {
     fn read(value: Value, at: &At<'_>) -> Result<Self, Fault> {
@@ -506,6 +477,8 @@ impl Stored for Layer {
             "height" => LayerKind::Height(Height::take(&mut map, at)?),
             "noise" => LayerKind::Noise(Noise::take(&mut map, at)?),
             "tint" => LayerKind::Tint(Tint::take(&mut map, at)?),
+            "slope" => LayerKind::Slope(Slope::take(&mut map, at)?),
+            "contours" => LayerKind::Contours(Contours::take(&mut map, at)?),
             "vector" => LayerKind::Vector(Box::new(Vector::take(&mut map, at)?)),
             "" => return Err(At::Member(at, "kind").fault("a kind of layer", quote(&base.kind))),
             _ => LayerKind::Unknown,
@@ -525,6 +498,8 @@ impl Stored for Layer {
             LayerKind::Height(height) => put(height, &mut map),
             LayerKind::Noise(noise) => put(noise, &mut map),
             LayerKind::Tint(tint) => put(tint, &mut map),
+            LayerKind::Slope(slope) => put(slope, &mut map),
+            LayerKind::Contours(contours) => put(contours, &mut map),
             LayerKind::Vector(vector) => put(vector.as_ref(), &mut map),
             LayerKind::Unknown => &[],
         };
@@ -551,6 +526,8 @@ impl JsonSchema for Layer {
             generator.subschema_for::<Height>(),
             generator.subschema_for::<Noise>(),
             generator.subschema_for::<Tint>(),
+            generator.subschema_for::<Slope>(),
+            generator.subschema_for::<Contours>(),
             generator.subschema_for::<Vector>(),
         ];
         for (kind, fields) in KINDS.iter().zip(kinds) {

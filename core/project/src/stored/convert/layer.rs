@@ -1,15 +1,13 @@
 //! Layers and what they are made of.
 
 use super::{Twin, filled, text, unless_default};
-use crate::stored::colour::StoredColour;
 use crate::stored::fault::{At, Fault, quote};
 use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
 use crate::stored::{range, v1};
 use crate::{
-    Adjust, Blend, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind,
-    Noise, NoiseLayer, Resampling, Source, Stretch, Tint, TintInterpolation, TintLayer, TintStop,
-    VectorLayer,
+    Adjust, Blend, ContoursLayer, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId,
+    LayerKind, Noise, NoiseLayer, Resampling, SlopeLayer, Source, Stretch, TintLayer, VectorLayer,
 };
 
 /// A valid id.
@@ -69,6 +67,10 @@ impl Twin for Layer {
                 noise: Noise::from_stored(noise, at)?,
             }),
             v1::LayerKind::Tint(tint) => LayerKind::Tint(TintLayer::from_stored(tint, at)?),
+            v1::LayerKind::Slope(slope) => LayerKind::Slope(SlopeLayer::from_stored(slope, at)?),
+            v1::LayerKind::Contours(contours) => {
+                LayerKind::Contours(ContoursLayer::from_stored(contours, at)?)
+            }
             v1::LayerKind::Vector(vector) => {
                 LayerKind::Vector(Box::new(VectorLayer::from_stored(*vector, at)?))
             }
@@ -102,6 +104,8 @@ impl Twin for Layer {
                 LayerKind::Height(height) => v1::LayerKind::Height(height.to_stored()),
                 LayerKind::Noise(noise) => v1::LayerKind::Noise(noise.noise.to_stored()),
                 LayerKind::Tint(tint) => v1::LayerKind::Tint(tint.to_stored()),
+                LayerKind::Slope(slope) => v1::LayerKind::Slope(slope.to_stored()),
+                LayerKind::Contours(contours) => v1::LayerKind::Contours(contours.to_stored()),
                 LayerKind::Vector(vector) => v1::LayerKind::Vector(Box::new(vector.to_stored())),
                 LayerKind::Unknown { .. } => v1::LayerKind::Unknown,
             },
@@ -228,82 +232,6 @@ impl Twin for Noise {
     }
 }
 
-impl Twin for TintLayer {
-    type Stored = v1::Tint;
-
-    fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
-        Ok(Self {
-            tint: tint(stored.stops, stored.interpolation, at)?,
-            blend: stored.blend.map_or(Blend::Normal, Into::into),
-            adjust: adjust(stored.adjust, at)?,
-        })
-    }
-
-    fn to_stored(&self) -> Self::Stored {
-        let (stops, interpolation) = stored_tint(&self.tint);
-        v1::Tint {
-            stops,
-            interpolation,
-            blend: unless_default(self.blend, &Blend::Normal).map(Into::into),
-            adjust: unless_default(&self.adjust, &&Adjust::default()).map(Twin::to_stored),
-        }
-    }
-}
-
-/// A tint from its fields.
-pub(crate) fn tint(
-    stops: Vec<With<v1::TintStop>>,
-    interpolation: Option<v1::TintInterpolation>,
-    at: &At<'_>,
-) -> Result<Tint, Fault> {
-    let stops_at = At::Member(at, "stops");
-    if stops.is_empty() || stops.len() > range::MOST_STOPS {
-        return Err(stops_at.fault(
-            format!("1 to {} stops", range::MOST_STOPS),
-            stops.len().to_string(),
-        ));
-    }
-    let mut last = f64::NEG_INFINITY;
-    let mut read = Vec::with_capacity(stops.len());
-    for (i, With { fields, extra }) in stops.into_iter().enumerate() {
-        let stop_at = At::Element(&stops_at, i);
-        if fields.height_m <= last {
-            let higher = format!("more than the stop before, {last}");
-            return Err(At::Member(&stop_at, "height_m").fault(higher, fields.height_m.to_string()));
-        }
-        last = fields.height_m;
-        let colour = StoredColour::parse(&fields.colour).ok_or_else(|| {
-            At::Member(&stop_at, "colour").fault("a colour \"#rrggbb\"", quote(&fields.colour))
-        })?;
-        read.push(TintStop {
-            height_m: fields.height_m,
-            colour: colour.0,
-            extra,
-        });
-    }
-    Ok(Tint {
-        stops: read,
-        interpolation: interpolation.map_or_else(Default::default, Into::into),
-    })
-}
-
-/// A tint's fields.
-pub(crate) fn stored_tint(tint: &Tint) -> (Vec<With<v1::TintStop>>, Option<v1::TintInterpolation>) {
-    let stops = tint.stops.iter().map(|stop| {
-        let [red, green, blue] = stop.colour;
-        With {
-            fields: v1::TintStop {
-                height_m: stop.height_m,
-                colour: format!("#{red:02x}{green:02x}{blue:02x}"),
-            },
-            extra: stop.extra.clone(),
-        }
-    });
-    let interpolation =
-        unless_default(tint.interpolation, &TintInterpolation::default()).map(Into::into);
-    (stops.collect(), interpolation)
-}
-
 impl Twin for Georeference {
     type Stored = With<v1::Georeference>;
 
@@ -410,7 +338,7 @@ impl Twin for Adjust {
 }
 
 /// The member `adjust` of the object at `at`.
-fn adjust(stored: Option<With<v1::Adjust>>, at: &At<'_>) -> Result<Adjust, Fault> {
+pub(super) fn adjust(stored: Option<With<v1::Adjust>>, at: &At<'_>) -> Result<Adjust, Fault> {
     super::optional(stored, &At::Member(at, "adjust"))
 }
 
@@ -425,6 +353,8 @@ pub(crate) fn unknown_is_unknown(layer: &Layer) -> Result<(), Fault> {
         | LayerKind::Height(_)
         | LayerKind::Noise(_)
         | LayerKind::Tint(_)
+        | LayerKind::Slope(_)
+        | LayerKind::Contours(_)
         | LayerKind::Vector(_) => Ok(()),
     }
 }
