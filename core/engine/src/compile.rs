@@ -3,36 +3,31 @@
 //! Heights first, then colours, which may read them. What a scene does not use is not compiled:
 //! hidden layers, layers whose file is missing, identity adjustments.
 
+mod colours;
 mod difference;
+mod heights;
+mod relief;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
-use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, BlendMode, Constant, EdgeFade, FileSource, Noise,
-    NoiseParams, Normals, Overlay, OverlayHeights, Stop, Tint, Vector,
-};
+use relievo_graph::nodes::{EdgeFade, FileSource};
 use relievo_graph::{Graph, GraphBuilder, ImageNode, NodeIndex};
 use relievo_planet::{LevelKey, Planet};
-use relievo_project::{
-    Adjust as ProjectAdjust, Blend, Layer, LayerId, LayerKind, NoiseMode, Project, Resampling,
-    Source, TintInterpolation, VectorLayer,
-};
+use relievo_project::{Layer, LayerId, LayerKind, Project, Resampling, Source};
 use relievo_raster::kernel::Kernel;
 use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
-use relievo_vector::Drawing;
 
 use self::difference::Shown;
 use crate::difference::HeightDifference;
-use crate::element_colours;
+use crate::element_colours::PaintedCache;
 use crate::elements::ElementCache;
 use crate::message::{Message, Severity};
 use crate::scene::{Detail, Elements, Roots, Scene};
 use crate::sources::{SourceState, Sources};
-use crate::vectors;
 
 /// Finest level of any source: 4.7 mm on Earth.
 const FINEST: u8 = 24;
@@ -44,12 +39,13 @@ pub(crate) struct NodeCache {
     nodes: Mutex<HashMap<String, Arc<dyn ImageNode>>>,
     warps: Mutex<HashMap<String, Arc<Warp>>>,
     elements: ElementCache,
+    painted: PaintedCache,
 }
 
 impl NodeCache {
     /// Number of nodes and geometries that are kept.
     pub(crate) fn len(&self) -> usize {
-        self.nodes.lock().len() + self.warps.lock().len() + self.elements.len()
+        self.nodes.lock().len() + self.warps.lock().len() + self.elements.len() + self.painted.len()
     }
 
     fn get(
@@ -126,7 +122,7 @@ pub(crate) fn compile(
     let ground = compiler.heights(project);
     let (height, elements) = compiler.elements(project, ground);
     let normal = compiler.normals(height);
-    let colours = compiler.colours(project, height, wish.pinned);
+    let colours = compiler.colours(project, Ground { height, normal }, wish.pinned);
     let colour = match &wish.difference {
         Some((other, difference)) => {
             let shown = Shown {
@@ -158,6 +154,14 @@ pub(crate) fn compile(
         problems: compiler.problems,
         left_out: compiler.left_out,
     }
+}
+
+/// The shown ground.
+#[derive(Clone, Copy)]
+struct Ground {
+    height: NodeIndex,
+    /// `None` where no layer gives heights.
+    normal: Option<NodeIndex>,
 }
 
 struct Compiler<'a> {
@@ -194,304 +198,6 @@ impl Compiler<'_> {
         };
         self.left_out.push((layer.id.clone(), reason));
         false
-    }
-
-    fn heights(&mut self, project: &Project) -> NodeIndex {
-        // Where no source has a height the ground is at the datum, so that there is no hole in it.
-        let mut below = self.builder.add(Arc::new(Constant::height(0.0)), &[]);
-        for layer in &project.layers {
-            let is_height = matches!(layer.kind, LayerKind::Height(_) | LayerKind::Noise(_));
-            if !is_height || !self.takes_part(layer) {
-                continue;
-            }
-            if let Some(over) = self.height_layer(layer, below) {
-                below = over;
-            }
-        }
-        self.builder.cut(below, SampleType::Height);
-        below
-    }
-
-    /// What the planning elements of the shown scenario make of the ground.
-    fn elements(&mut self, project: &Project, ground: NodeIndex) -> (NodeIndex, Elements) {
-        let elements = project.elements_in(project.scenario.as_ref());
-        let plan = self.nodes.elements.plan(self.planet, &elements);
-        for (element, text) in &plan.warnings {
-            self.problems.push(Message {
-                severity: Severity::Warning,
-                layer: None,
-                element: Some(element.clone()),
-                text: text.clone(),
-            });
-        }
-        let Some(node) = plan.node(self.planet) else {
-            return (ground, Elements::default());
-        };
-        let planned = self
-            .builder
-            .add(Arc::clone(&node) as Arc<dyn ImageNode>, &[ground]);
-        self.builder.cut(planned, SampleType::Height);
-        if let Some(detail_m) = plan.detail_m() {
-            self.details.push(Detail {
-                node: planned,
-                finest: level_of_step(detail_m / self.planet.radius_m),
-                within: Some(Arc::clone(&node)),
-            });
-        }
-        let elements = Elements {
-            node: Some(node),
-            ids: plan.placed.into_iter().map(|(id, _)| id).collect(),
-        };
-        (planned, elements)
-    }
-
-    fn height_layer(&mut self, layer: &Layer, below: NodeIndex) -> Option<NodeIndex> {
-        let opacity = layer.opacity as f32;
-        match &layer.kind {
-            LayerKind::Height(height) => {
-                let file = self.open(layer)?;
-                let finest =
-                    level_of_step(self.warp(layer, &file, &height.source)?.finest_step_rad());
-                let (scale, offset) = (height.vertical_scale, height.offset_m);
-                let top = self.file_node(layer, &file, &height.source, (scale, offset))?;
-                self.builder.cut(top, SampleType::Height);
-                self.details.push(Detail::everywhere(top, finest));
-                let (inputs, masked) = self.with_fade(layer, &file, &height.source, below, top)?;
-                Some(self.add(
-                    layer,
-                    Arc::new(OverlayHeights::new(opacity, masked)),
-                    &inputs,
-                ))
-            }
-            LayerKind::Noise(noise) => {
-                let params = &noise.noise;
-                // Noise that adds is scaled by its opacity, so that half of it is half as high.
-                let share = if params.mode == NoiseMode::Add {
-                    layer.opacity
-                } else {
-                    1.0
-                };
-                let node = Noise::new(
-                    self.planet,
-                    &NoiseParams {
-                        seed: u64::from(params.seed),
-                        amplitude_m: params.amplitude_m * share,
-                        wavelength_m: params.wavelength_m,
-                        octaves: params.octaves,
-                        lacunarity: params.lacunarity,
-                        gain: params.gain,
-                        ridged: params.ridged,
-                    },
-                );
-                let mut top = self.add(layer, Arc::new(node), &[]);
-                self.builder.cut(top, SampleType::Height);
-                let shortest_m = params.wavelength_m
-                    / params
-                        .lacunarity
-                        .powi(params.octaves.saturating_sub(1) as i32);
-                let step_rad = shortest_m / (4.0 * self.planet.radius_m);
-                self.details
-                    .push(Detail::everywhere(top, level_of_step(step_rad)));
-                if params.offset_m != 0.0 {
-                    let offset = Constant::height((params.offset_m * share) as f32);
-                    let offset = self.add(layer, Arc::new(offset), &[]);
-                    top = self.add(layer, Arc::new(AddHeights), &[top, offset]);
-                }
-                Some(match params.mode {
-                    NoiseMode::Replace => self.add(
-                        layer,
-                        Arc::new(OverlayHeights::new(opacity, false)),
-                        &[below, top],
-                    ),
-                    NoiseMode::Add => self.add(layer, Arc::new(AddHeights), &[below, top]),
-                })
-            }
-            LayerKind::Imagery(_)
-            | LayerKind::Tint(_)
-            | LayerKind::Vector(_)
-            | LayerKind::Unknown { .. } => None,
-        }
-    }
-
-    /// Normals of the ground as it is; front-ends steepen them with the heights they draw.
-    fn normals(&mut self, height: NodeIndex) -> Option<NodeIndex> {
-        if self.details.is_empty() {
-            return None;
-        }
-        let node = self
-            .builder
-            .add(Arc::new(Normals::new(self.planet, 1.0)), &[height]);
-        self.builder.cut(node, SampleType::Normal);
-        Some(node)
-    }
-
-    fn colours(
-        &mut self,
-        project: &Project,
-        height: NodeIndex,
-        pinned: Option<&LayerId>,
-    ) -> Option<NodeIndex> {
-        let mut below: Option<NodeIndex> = None;
-        for layer in &project.layers {
-            let is_colour = matches!(
-                layer.kind,
-                LayerKind::Imagery(_) | LayerKind::Tint(_) | LayerKind::Vector(_)
-            );
-            if !is_colour || !self.takes_part(layer) {
-                continue;
-            }
-            if let (true, Some(below)) = (pinned == Some(&layer.id), below) {
-                // What lies below the layer that is being edited is kept as exact f32, so that a
-                // slider never evaluates it again. Exact, so no byte of the result changes.
-                self.pin(below);
-            }
-            let base = match below {
-                Some(below) => below,
-                None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
-            };
-            if let Some(over) = self.colour_layer(layer, base, height) {
-                below = Some(over);
-            }
-        }
-        self.element_colours(project, below)
-    }
-
-    /// Planning elements' own colours over all layers.
-    fn element_colours(
-        &mut self,
-        project: &Project,
-        mut below: Option<NodeIndex>,
-    ) -> Option<NodeIndex> {
-        let elements = project.elements_in(project.scenario.as_ref());
-        for run in element_colours::painted(&elements) {
-            let planet = self.planet;
-            let name = format!("{} {planet:?}", run.name());
-            let kept = self.nodes.nodes.lock().get(&name).cloned();
-            let made = kept.map_or_else(|| run.node(planet), Ok);
-            let node = match made {
-                Ok(node) => node,
-                Err(text) => {
-                    self.problems.push(Message {
-                        severity: Severity::Warning,
-                        layer: None,
-                        element: None,
-                        text: format!("colours of planning elements: {text}"),
-                    });
-                    continue;
-                }
-            };
-            self.used.insert(name, Arc::clone(&node));
-            let top = self.builder.add(node, &[]);
-            self.builder.cut(top, SampleType::Rgba8);
-            let finest = level_of_step(vectors::FINEST_M / planet.radius_m);
-            self.details.push(Detail::everywhere(top, finest));
-            let base = match below {
-                Some(below) => below,
-                None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
-            };
-            let overlay = Overlay::new(BlendMode::Normal, 1.0, false);
-            below = Some(self.builder.add(Arc::new(overlay), &[base, top]));
-        }
-        below
-    }
-
-    fn pin(&mut self, node: NodeIndex) {
-        self.builder.cut(node, SampleType::Rgba32F);
-    }
-
-    fn colour_layer(
-        &mut self,
-        layer: &Layer,
-        base: NodeIndex,
-        height: NodeIndex,
-    ) -> Option<NodeIndex> {
-        let opacity = layer.opacity as f32;
-        match &layer.kind {
-            LayerKind::Imagery(imagery) => {
-                let file = self.open(layer)?;
-                let finest =
-                    level_of_step(self.warp(layer, &file, &imagery.source)?.finest_step_rad());
-                let top = self.file_node(layer, &file, &imagery.source, (1.0, 0.0))?;
-                let deep = file.info().deep_colour;
-                self.builder.cut(
-                    top,
-                    if deep {
-                        SampleType::Rgba16F
-                    } else {
-                        SampleType::Rgba8
-                    },
-                );
-                self.details.push(Detail::everywhere(top, finest));
-                let adjusted = self.adjusted(layer, &imagery.adjust, top);
-                let (inputs, masked) =
-                    self.with_fade(layer, &file, &imagery.source, base, adjusted)?;
-                let overlay = Overlay::new(blend_mode(imagery.blend), opacity, masked);
-                Some(self.add(layer, Arc::new(overlay), &inputs))
-            }
-            LayerKind::Tint(tint) => {
-                let stops: Vec<Stop> = tint
-                    .tint
-                    .stops
-                    .iter()
-                    .map(|s| {
-                        let [r, g, b] = s.colour.map(relievo_raster::colour::from_u8);
-                        Stop {
-                            height_m: s.height_m as f32,
-                            rgba: [r, g, b, 1.0],
-                        }
-                    })
-                    .collect();
-                let smooth = tint.tint.interpolation == TintInterpolation::Smooth;
-                let node = Tint::new(&stops, smooth).map_err(|e| e.to_string());
-                let node = self.keep(layer, node)?;
-                let top = self.add(layer, node, &[height]);
-                let adjusted = self.adjusted(layer, &tint.adjust, top);
-                let overlay = Overlay::new(blend_mode(tint.blend), opacity, false);
-                Some(self.add(layer, Arc::new(overlay), &[base, adjusted]))
-            }
-            LayerKind::Vector(vector) => {
-                let top = self.vector_node(layer, vector)?;
-                self.builder.cut(top, SampleType::Rgba8);
-                let finest = level_of_step(vectors::FINEST_M / self.planet.radius_m);
-                self.details.push(Detail::everywhere(top, finest));
-                let overlay = Overlay::new(BlendMode::Normal, opacity, false);
-                Some(self.add(layer, Arc::new(overlay), &[base, top]))
-            }
-            LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. } => None,
-        }
-    }
-
-    fn adjusted(&mut self, layer: &Layer, adjust: &ProjectAdjust, top: NodeIndex) -> NodeIndex {
-        if adjust.is_identity() {
-            return top;
-        }
-        let params = AdjustParams {
-            gain: adjust.gain,
-            // The project's brightness is a sum, as users of image editors know it.
-            offset: adjust.offset.map(|o| o + adjust.brightness),
-            contrast: adjust.contrast,
-            hue_deg: adjust.hue_deg,
-            saturation: adjust.saturation,
-            gamma: adjust.gamma,
-            ..AdjustParams::default()
-        };
-        self.add(layer, Arc::new(Adjust::new(&params)), &[top])
-    }
-
-    /// A vector layer's features in its style; kept while neither changes.
-    fn vector_node(&mut self, layer: &Layer, vector: &VectorLayer) -> Option<NodeIndex> {
-        let SourceState::Features(open) = self.ready(layer)? else {
-            return None;
-        };
-        let features = Arc::clone(&open.features);
-        let style = vectors::style(&vector.style);
-        let address = Arc::as_ptr(&features).addr();
-        let planet = self.planet;
-        let name = format!("vector {address} {style:?} {planet:?}");
-        let node = self.nodes.get(&mut self.used, name, || {
-            Arc::new(Vector::new(Arc::new(Drawing::new(features, style, planet))))
-        });
-        Some(self.add(layer, node, &[]))
     }
 
     /// The layer's open file; notes why there is none.
@@ -616,16 +322,6 @@ impl Compiler<'_> {
 /// Names an open file for as long as it is open.
 fn address(file: &Arc<dyn RasterFile>) -> usize {
     Arc::as_ptr(file).cast::<()>().addr()
-}
-
-fn blend_mode(blend: Blend) -> BlendMode {
-    match blend {
-        Blend::Normal => BlendMode::Normal,
-        Blend::Multiply => BlendMode::Multiply,
-        Blend::Add => BlendMode::Add,
-        Blend::Screen => BlendMode::Screen,
-        Blend::Overlay => BlendMode::Overlay,
-    }
 }
 
 fn kernel(resampling: Resampling) -> Kernel {

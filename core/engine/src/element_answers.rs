@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use relievo_earthwork::{DaylightLine, Design, Ending, Prepared, Shaped};
+use relievo_earthwork::{DaylightLine, Design, Ending, Part, Prepared, Shaped};
 use relievo_graph::RenderError;
-use relievo_planet::MapPoint;
-use relievo_project::ElementId;
+use relievo_planet::{Grid, MapPoint};
+use relievo_project::{Element, ElementId};
 use relievo_raster::Cancel;
 
+use crate::element_colours;
 use crate::query::Questions;
 
 /// Where an element's work ends, and what is odd about it on this ground.
@@ -21,8 +22,8 @@ pub struct ElementAnswer {
 
 impl Questions {
     /// Ids of all planning elements that take part, the first at the bottom.
-    pub fn elements(&self) -> &[ElementId] {
-        &self.scene.elements.ids
+    pub fn elements(&self) -> impl Iterator<Item = &ElementId> {
+        self.scene.elements.all.iter().map(|e| &e.id)
     }
 
     /// Heights of the ground, without planning elements, at places, read about `spacing_m` metres
@@ -102,9 +103,47 @@ impl Questions {
         Ok(Some(ElementAnswer { daylight, warnings }))
     }
 
+    /// The element that decides the height at a place, and how; `None` where the ground does.
+    pub(crate) fn decides(
+        &self,
+        place: MapPoint,
+        grid: &Grid,
+        cancel: &Cancel,
+    ) -> Result<Option<(&Arc<Element>, Part)>, RenderError> {
+        let elements = &self.scene.elements;
+        let Some(node) = &elements.node else {
+            return Ok(None);
+        };
+        let near = node.touching(grid);
+        if near.is_empty() {
+            return Ok(None);
+        }
+        let shapes: Result<Vec<Arc<Shaped>>, RenderError> = near
+            .iter()
+            .map(|i| self.shape(node.elements()[*i as usize].prepared(), cancel))
+            .collect();
+        let ground = self
+            .scene
+            .graph
+            .evaluate(self.scene.roots.ground, grid, cancel)?;
+        let ground_m = f64::from(ground.samples()[0]);
+        let outcome = Design::new(self.planet, shapes?).height(place, ground_m);
+        Ok(outcome
+            .by
+            .map(|(k, part)| (&elements.all[near[k as usize] as usize], part)))
+    }
+
+    /// The element whose colour lies on top at a place, if one has any there.
+    pub(crate) fn colours(&self, grid: &Grid) -> Option<&Arc<Element>> {
+        let elements = &self.scene.elements;
+        let near = elements.node.as_ref()?.touching(grid);
+        let mut near = near.iter().rev().map(|i| &elements.all[*i as usize]);
+        near.find(|element| element_colours::shows(element, self.planet, grid))
+    }
+
     fn prepared(&self, id: &ElementId) -> Option<Arc<Prepared>> {
         let elements = &self.scene.elements;
-        let at = elements.ids.iter().position(|e| e == id)?;
+        let at = elements.all.iter().position(|e| e.id == *id)?;
         let placed = elements.node.as_ref()?.elements().get(at)?;
         Some(Arc::clone(placed.prepared()))
     }

@@ -1,14 +1,19 @@
 //! Colours of planning elements, drawn above all colour layers.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use relievo_graph::ImageNode;
-use relievo_graph::nodes::Vector;
-use relievo_planet::Planet;
+use parking_lot::Mutex;
+use relievo_planet::{Grid, Planet};
 use relievo_project::{BrushTool, Element, ElementKind, SectionKind, Vertices};
 use relievo_vector::style::Length;
 use relievo_vector::{Builder, Drawing, Features, Style};
+
+/// Elements that are patched into a drawing before it is made anew.
+const MOST_CHANGED: usize = 64;
+
+/// Compilations for which a drawing that nobody uses any more is kept: for undo, and for scenarios that
+/// are compared.
+const KEPT_FOR: u64 = 16;
 
 /// How a run of elements is painted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +32,86 @@ pub(crate) struct Painted {
     elements: Vec<Arc<Element>>,
 }
 
+/// Drawings of runs, from revision to revision: a drag draws the one element anew that it changes.
+#[derive(Default)]
+pub(crate) struct PaintedCache {
+    kept: Mutex<Vec<Kept>>,
+}
+
+/// A run that was made into features.
+struct Kept {
+    run: Painted,
+    planet: Planet,
+    drawing: Arc<Drawing>,
+    unused: u64,
+}
+
+impl PaintedCache {
+    /// Drawings of runs; one line that says what is wrong where one has none.
+    pub(crate) fn drawings(
+        &self,
+        runs: Vec<Painted>,
+        planet: Planet,
+    ) -> Vec<Result<Arc<Drawing>, String>> {
+        let mut kept = self.kept.lock();
+        kept.iter_mut().for_each(|k| k.unused += 1);
+        let drawings = runs.into_iter().map(|run| {
+            let alike = kept
+                .iter_mut()
+                .filter(|k| k.planet == planet && k.run.paint == run.paint);
+            for base in alike {
+                if let Some(drawing) = base.patched(&run)? {
+                    base.unused = 0;
+                    return Ok(drawing);
+                }
+            }
+            let drawing = Arc::new(Drawing::new(run.features()?, run.style(), planet));
+            kept.push(Kept {
+                run,
+                planet,
+                drawing: Arc::clone(&drawing),
+                unused: 0,
+            });
+            Ok(drawing)
+        });
+        let drawings = drawings.collect();
+        kept.retain(|k| k.unused < KEPT_FOR);
+        drawings
+    }
+
+    /// Number of drawings that are kept.
+    pub(crate) fn len(&self) -> usize {
+        self.kept.lock().len()
+    }
+}
+
+impl Kept {
+    /// The drawing with those elements of a run that differ; `None` where too many do.
+    fn patched(&self, run: &Painted) -> Result<Option<Arc<Drawing>>, String> {
+        let (old, new) = (&self.run.elements, &run.elements);
+        let differs = |i: &usize| match (old.get(*i), new.get(*i)) {
+            (Some(a), Some(b)) => !Arc::ptr_eq(a, b),
+            _ => true,
+        };
+        let all = (0..old.len().max(new.len())).filter(differs);
+        let changed: Vec<usize> = all.take(MOST_CHANGED + 1).collect();
+        if changed.is_empty() {
+            return Ok(Some(Arc::clone(&self.drawing)));
+        }
+        if changed.len() > MOST_CHANGED {
+            return Ok(None);
+        }
+        let added = changed.iter().filter_map(|i| new.get(*i)).cloned();
+        let added = Painted {
+            paint: run.paint,
+            elements: added.collect(),
+        };
+        let replaced = changed.into_iter().filter(|i| *i < old.len());
+        let patched = self.drawing.patched(replaced.collect(), added.features()?);
+        Ok(patched.map(Arc::new))
+    }
+}
+
 /// Runs of visible elements that have colours, the first at the bottom.
 pub(crate) fn painted(elements: &[Arc<Element>]) -> Vec<Painted> {
     let mut all: Vec<Painted> = Vec::new();
@@ -43,6 +128,13 @@ pub(crate) fn painted(elements: &[Arc<Element>]) -> Vec<Painted> {
         }
     }
     all
+}
+
+/// Whether an element's colours show in a grid.
+pub(crate) fn shows(element: &Arc<Element>, planet: Planet, grid: &Grid) -> bool {
+    let runs = painted(core::slice::from_ref(element));
+    let drawing = |run: &Painted| Some(Drawing::new(run.features().ok()?, run.style(), planet));
+    runs.iter().filter_map(drawing).any(|d| d.reaches(grid))
 }
 
 fn paint(element: &Element) -> Option<Paint> {
@@ -86,20 +178,6 @@ fn paint(element: &Element) -> Option<Paint> {
 }
 
 impl Painted {
-    /// A name that is the run's as long as its elements live.
-    pub(crate) fn name(&self) -> String {
-        let mut hasher = DefaultHasher::new();
-        for element in &self.elements {
-            Arc::as_ptr(element).addr().hash(&mut hasher);
-        }
-        format!(
-            "elements {:x} {} {:?}",
-            hasher.finish(),
-            self.elements.len(),
-            self.paint
-        )
-    }
-
     /// How the vector crate draws it.
     fn style(&self) -> Style {
         let Paint {
@@ -136,17 +214,8 @@ impl Painted {
         }
     }
 
-    /// The node that draws it.
-    ///
-    /// # Errors
-    /// One line that says what is wrong.
-    pub(crate) fn node(&self, planet: Planet) -> Result<Arc<dyn ImageNode>, String> {
-        let drawing = Drawing::new(Arc::new(self.features()?), self.style(), planet);
-        Ok(Arc::new(Vector::new(Arc::new(drawing))))
-    }
-
-    /// Its elements as features. Vertices that are no places are left out.
-    fn features(&self) -> Result<Features, String> {
+    /// Its elements as features, one each. Vertices that are no places are left out.
+    fn features(&self) -> Result<Arc<Features>, String> {
         let mut all = Builder::degrees();
         for element in &self.elements {
             match &element.kind {
@@ -171,7 +240,7 @@ impl Painted {
             }
             all.feature()?;
         }
-        all.finish()
+        all.finish().map(Arc::new)
     }
 }
 

@@ -31,22 +31,45 @@ pub(crate) struct ElementCache {
 struct Kept {
     /// By the element's address, which stays its own while it is kept here.
     placed: HashMap<usize, Placed>,
+    /// The last plan's.
+    node: Option<Arc<Earthwork>>,
     clock: u64,
 }
 
 struct Placed {
+    #[expect(
+        dead_code,
+        reason = "no other element can have its address while it lives"
+    )]
     element: Arc<Element>,
     planet: Planet,
     node: Option<Arc<PlacedElement>>,
+    /// What is odd about it, a line each.
+    warnings: Vec<String>,
     used: u64,
+}
+
+impl Placed {
+    fn new(element: &Arc<Element>, planet: Planet) -> Self {
+        let node = place(planet, element);
+        Self {
+            warnings: warnings(element, node.as_deref()),
+            element: Arc::clone(element),
+            planet,
+            node,
+            used: 0,
+        }
+    }
 }
 
 /// Elements as a graph needs them.
 pub(crate) struct Plan {
     /// Those that take part, the first at the bottom.
-    pub(crate) placed: Vec<(ElementId, Arc<PlacedElement>)>,
+    pub(crate) placed: Vec<(Arc<Element>, Arc<PlacedElement>)>,
     /// What is odd: whose, its name, and what.
     pub(crate) warnings: Vec<(ElementId, String)>,
+    /// The node, if there is anything to do.
+    pub(crate) node: Option<Arc<Earthwork>>,
 }
 
 impl ElementCache {
@@ -68,67 +91,39 @@ impl ElementCache {
         let mut plan = Plan {
             placed: Vec::new(),
             warnings: Vec::new(),
+            node: None,
         };
         for element in elements.iter().filter(|e| e.visible) {
             let address = Arc::as_ptr(element).addr();
-            let slot = kept.placed.entry(address).or_insert_with(|| Placed {
-                element: Arc::clone(element),
-                planet,
-                node: place(planet, element),
-                used: now,
-            });
+            let slot = kept.placed.entry(address);
+            let slot = slot.or_insert_with(|| Placed::new(element, planet));
             if slot.planet != planet {
-                slot.planet = planet;
-                slot.node = place(planet, element);
+                *slot = Placed::new(element, planet);
             }
             slot.used = now;
-            for list in slot.element.vertex_lists() {
-                if let Some(file) = list.missing() {
-                    let text = format!(
-                        "element {:?}: {} vertices lie in a file that is missing",
-                        element.name, file.vertices
-                    );
-                    plan.warnings.push((element.id.clone(), text));
-                }
+            let warnings = slot.warnings.iter().cloned();
+            plan.warnings
+                .extend(warnings.map(|text| (element.id.clone(), text)));
+            if let Some(placed) = &slot.node {
+                plan.placed.push((Arc::clone(element), Arc::clone(placed)));
             }
-            let Some(placed) = &slot.node else {
-                let text = format!(
-                    "element {:?} is of a kind that a newer program made; it is left out",
-                    element.name
-                );
-                plan.warnings.push((element.id.clone(), text));
-                continue;
-            };
-            // What is known with the ground says more where there is no need for it.
-            let prepared = placed.prepared();
-            let warnings = match prepared.ready() {
-                Some(shaped) => shaped.warnings(),
-                None => prepared.warnings(),
-            };
-            for warning in warnings {
-                let text = format!("element {:?}: {warning}", element.name);
-                plan.warnings.push((element.id.clone(), text));
-            }
-            plan.placed.push((element.id.clone(), Arc::clone(placed)));
         }
         kept.placed.retain(|_, p| p.used + KEPT_FOR > now);
+        let placed: Vec<_> = plan.placed.iter().map(|(_, p)| Arc::clone(p)).collect();
+        let before = kept.node.take();
+        plan.node = (!placed.is_empty()).then(|| match before {
+            Some(before) => Earthwork::following(&before, planet, placed),
+            None => Arc::new(Earthwork::new(planet, placed)),
+        });
+        kept.node.clone_from(&plan.node);
         plan
     }
 }
 
 impl Plan {
-    /// The node, if there is anything to do.
-    pub(crate) fn node(&self, planet: Planet) -> Option<Arc<Earthwork>> {
-        if self.placed.is_empty() {
-            return None;
-        }
-        let placed = self.placed.iter().map(|(_, p)| Arc::clone(p)).collect();
-        Some(Arc::new(Earthwork::new(planet, placed)))
-    }
-
     /// Spacing in metres at which the finest of the elements is worth looking at.
     pub(crate) fn detail_m(&self) -> Option<f64> {
-        let of = |(_, placed): &(ElementId, Arc<PlacedElement>)| detail_m(placed);
+        let of = |(_, placed): &(Arc<Element>, Arc<PlacedElement>)| detail_m(placed);
         self.placed.iter().map(of).reduce(f64::min)
     }
 }
@@ -150,6 +145,32 @@ fn detail_m(placed: &PlacedElement) -> f64 {
             .fold(high * 8.0, f64::min),
     };
     (width_m / 8.0).clamp(low, high)
+}
+
+/// What is odd about an element as far as it is known without the ground.
+fn warnings(element: &Element, node: Option<&PlacedElement>) -> Vec<String> {
+    let name = &element.name;
+    let lists = element.vertex_lists();
+    let missing = lists.iter().filter_map(|list| list.missing());
+    let missing = missing.map(|file| {
+        let vertices = file.vertices;
+        format!("element {name:?}: {vertices} vertices lie in a file that is missing")
+    });
+    let mut all: Vec<String> = missing.collect();
+    let Some(placed) = node else {
+        all.push(format!(
+            "element {name:?} is of a kind that a newer program made; it is left out"
+        ));
+        return all;
+    };
+    let prepared = placed.prepared();
+    // What is known with the ground says more where there is no need for it.
+    let odd = match prepared.ready() {
+        Some(shaped) => shaped.warnings(),
+        None => prepared.warnings(),
+    };
+    all.extend(odd.iter().map(|w| format!("element {name:?}: {w}")));
+    all
 }
 
 fn place(planet: Planet, element: &Element) -> Option<Arc<PlacedElement>> {

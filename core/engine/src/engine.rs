@@ -10,6 +10,7 @@ mod options;
 mod picture;
 mod planning;
 mod revisions;
+mod survey;
 mod tally;
 
 use std::collections::{HashMap, HashSet};
@@ -93,6 +94,8 @@ pub struct Engine {
     pending: usize,
     /// Bodies on the ground, while some layer has any.
     bodies: Option<Bodies>,
+    /// What is odd about planning elements on their ground.
+    survey: survey::Survey,
     wake: Option<Arc<dyn Fn() + Send + Sync>>,
     /// A visible tile waits for a file to be opened again.
     stuck: bool,
@@ -179,6 +182,7 @@ impl Engine {
             pending: 0,
             stuck: false,
             bodies: None,
+            survey: survey::Survey::default(),
             wake,
         };
         engine.sources.require(&engine.project, &engine.folder);
@@ -278,6 +282,7 @@ impl Engine {
             self.dirty = true;
         }
         let masses = self.bodies(&view);
+        self.survey();
         Some(self.frame(&view, uploads, masses))
     }
 

@@ -36,6 +36,8 @@ pub(crate) struct Messages {
     all: Vec<Message>,
     /// How many at the front are about sources, replaced as a whole by each revision.
     sources: usize,
+    /// How many behind those are about planning elements on their ground, replaced as a whole too.
+    ground: usize,
 }
 
 impl Messages {
@@ -45,7 +47,7 @@ impl Messages {
 
     pub(crate) fn clear(&mut self) {
         self.all.clear();
-        self.sources = 0;
+        (self.sources, self.ground) = (0, 0);
     }
 
     pub(crate) fn tile_failed(&mut self, error: &Arc<RenderError>) {
@@ -62,11 +64,21 @@ impl Messages {
 
     /// Forgets what tiles said: their causes may be gone.
     pub(crate) fn forget_tiles(&mut self) {
-        self.all.truncate(self.sources);
+        self.all.truncate(self.sources + self.ground);
     }
 
     pub(crate) fn replace_sources(&mut self, problems: &[Message]) {
         self.all.splice(..self.sources, problems.iter().cloned());
         self.sources = problems.len();
+    }
+
+    pub(crate) fn replace_ground(&mut self, mut problems: Vec<Message>) {
+        let (known, _) = self.all.split_at(self.sources);
+        problems.retain(|p| !known.contains(p));
+        problems.truncate(KEPT);
+        let count = problems.len();
+        let range = self.sources..self.sources + self.ground;
+        self.all.splice(range, problems);
+        self.ground = count;
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
+use relievo_earthwork::Part;
 use relievo_graph::{Graph, NodeIndex, RenderError};
 use relievo_planet::{Grid, GridCrs, Lattice, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_project::LayerId;
@@ -39,6 +40,30 @@ pub struct Maker {
     /// The layer it belongs to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
+    /// The planning element that decides there, by its id.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub element: Option<String>,
+    /// How the element decides the height: by its `interior`, by a `cut`, a `fill` or a `wall` beside it,
+    /// or by a `brush`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<&'static str>,
+}
+
+impl Maker {
+    /// Whether it draws colours of planning elements.
+    fn is_of_elements(&self) -> bool {
+        self.node == "vector" && self.layer.is_none()
+    }
+}
+
+fn name_of(part: Part) -> &'static str {
+    match part {
+        Part::Interior => "interior",
+        Part::Cut => "cut",
+        Part::Fill => "fill",
+        Part::Wall => "wall",
+        Part::Brush => "brush",
+    }
 }
 
 /// A revision that questions can be asked of on any thread, whatever happens to the project
@@ -75,17 +100,28 @@ impl Questions {
             None => None,
         };
         let (lon_deg, lat_deg) = point.to_degrees();
+        let mut height_made_by = self.makers(&scene.graph, scene.roots.height, &grid);
+        if let Some((element, part)) = self.decides(point, &grid, cancel)? {
+            for maker in height_made_by.iter_mut().filter(|m| m.node == "earthwork") {
+                maker.element = Some(element.id.0.clone());
+                maker.part = Some(name_of(part));
+            }
+        }
+        let makers = |root| self.makers(&scene.graph, root, &grid);
+        let mut colour_made_by = scene.roots.colour.map_or_else(Vec::new, makers);
+        // What no layer draws, elements do; the one on top is the last.
+        let painted = colour_made_by.iter_mut().rev();
+        if let Some(maker) = painted.into_iter().find(|m| m.is_of_elements()) {
+            maker.element = self.colours(&grid).map(|e| e.id.0.clone());
+        }
         Ok(PlaceAnswer {
             lon_deg,
             lat_deg,
             height_m,
             colour,
             slope_deg,
-            height_made_by: self.makers(&scene.graph, scene.roots.height, &grid),
-            colour_made_by: scene
-                .roots
-                .colour
-                .map_or_else(Vec::new, |c| self.makers(&scene.graph, c, &grid)),
+            height_made_by,
+            colour_made_by,
             spacing_m: step_rad * self.planet.radius_m,
         })
     }
@@ -131,6 +167,8 @@ impl Questions {
             .map(|n| Maker {
                 node: graph.node(n).kind(),
                 layer: self.scene.layers.get(&n).map(named),
+                element: None,
+                part: None,
             })
             .collect()
     }

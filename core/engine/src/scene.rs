@@ -9,7 +9,7 @@ use relievo_graph::{ContentId, Graph, NodeIndex};
 use relievo_planet::clipmap::Window;
 use relievo_planet::clipmap::levels::{columns_exponent, reach_rad};
 use relievo_planet::{Grid, LevelKey, MapPoint, TileKey};
-use relievo_project::{ElementId, LayerId};
+use relievo_project::{Element, LayerId};
 use relievo_tiles::Want;
 
 use crate::ClipKind;
@@ -74,8 +74,8 @@ impl Detail {
 pub(crate) struct Elements {
     /// The node that makes their heights; `None` without elements.
     pub(crate) node: Option<Arc<Earthwork>>,
-    /// Their ids in the order of the node's list.
-    pub(crate) ids: Vec<ElementId>,
+    /// All of them in the order of the node's list.
+    pub(crate) all: Vec<Arc<Element>>,
 }
 
 impl Scene {

@@ -416,6 +416,8 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
         }
         LayerKind::Noise(_)
         | LayerKind::Tint(_)
+        | LayerKind::Slope(_)
+        | LayerKind::Contours(_)
         | LayerKind::Vector(_)
         | LayerKind::Unknown { .. } => return None,
     };

@@ -347,3 +347,66 @@ fn a_difference_is_red_where_the_shown_ground_is_higher_and_costs_only_its_own_t
     settle(&mut engine);
     assert_eq!(engine.take_log().len(), 0, "everything was there before");
 }
+
+#[test]
+fn what_is_odd_about_an_element_on_its_ground_is_said_once_the_picture_is_whole() {
+    let mut engine = engine();
+    let ground = height_m(&engine, LON, LAT);
+    let mut tower = Element::clone(&platform("tower", ground + 30.0));
+    tower.side.max_reach_m = 20.0;
+    add(&mut engine, Arc::new(tower));
+    engine.set_view(from_above());
+    let told = |engine: &mut Engine, wanted: bool| {
+        for _ in 0..1000 {
+            settle(engine);
+            let mut messages = engine.messages().iter();
+            let id = Some(ElementId::from("tower"));
+            if messages.any(|m| m.element == id && m.text.contains("reach")) == wanted {
+                return true;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        false
+    };
+    assert!(told(&mut engine, true), "{:?}", engine.messages());
+    let element = platform("tower", ground + 30.0);
+    let scenario = None;
+    engine
+        .apply(Edit::ReplaceElement { scenario, element })
+        .unwrap();
+    assert!(told(&mut engine, false), "{:?}", engine.messages());
+}
+
+#[test]
+fn a_place_names_the_element_that_decides_its_height_and_its_colour() {
+    let mut engine = engine();
+    let ground = height_m(&engine, LON, LAT);
+    let mut lower = Element::clone(&platform("lower", ground + 8.0));
+    lower.style.fill = Some([200, 40, 10]);
+    add(&mut engine, Arc::new(lower));
+    // Inside the other one, higher, without a colour of its own.
+    let height_m = ground + 9.0;
+    let upper = pad("upper", LON, LAT, 10.0, SurfaceKind::Platform { height_m });
+    add(&mut engine, upper);
+    let decided = |east_m: f64| {
+        let place = MapPoint::from_degrees(LON + east_m / 78_850.0, LAT);
+        let answer = engine.questions().place(place, &Cancel::default()).unwrap();
+        let height = answer
+            .height_made_by
+            .into_iter()
+            .find_map(|m| Some((m.element?, m.part?)));
+        let colour = answer.colour_made_by.into_iter().find_map(|m| m.element);
+        (height, colour)
+    };
+    let named = |id: &str, part| Some((id.to_owned(), part));
+    assert_eq!(
+        decided(0.0),
+        (named("upper", "interior"), Some("lower".into()))
+    );
+    assert_eq!(
+        decided(30.0),
+        (named("lower", "interior"), Some("lower".into()))
+    );
+    assert_eq!(decided(53.0), (named("lower", "fill"), None));
+    assert_eq!(decided(400.0), (None, None));
+}

@@ -1,0 +1,213 @@
+//! Colour layers from the bottom up, over each other, and planning elements' own colours on top.
+
+use std::sync::Arc;
+
+use relievo_graph::NodeIndex;
+use relievo_graph::nodes::{
+    Adjust, AdjustParams, BlendMode, Constant, Overlay, SlopeAngle, Vector,
+};
+use relievo_project::{
+    Adjust as ProjectAdjust, Blend, Layer, LayerId, LayerKind, Project, VectorLayer,
+};
+use relievo_raster::SampleType;
+use relievo_vector::Drawing;
+
+use super::{Compiler, Ground, level_of_step, relief};
+use crate::message::{Message, Severity};
+use crate::scene::Detail;
+use crate::sources::SourceState;
+use crate::{element_colours, vectors};
+
+impl Compiler<'_> {
+    pub(super) fn colours(
+        &mut self,
+        project: &Project,
+        ground: Ground,
+        pinned: Option<&LayerId>,
+    ) -> Option<NodeIndex> {
+        let mut below: Option<NodeIndex> = None;
+        for layer in &project.layers {
+            let is_colour = matches!(
+                layer.kind,
+                LayerKind::Imagery(_)
+                    | LayerKind::Tint(_)
+                    | LayerKind::Slope(_)
+                    | LayerKind::Contours(_)
+                    | LayerKind::Vector(_)
+            );
+            if !is_colour || !self.takes_part(layer) {
+                continue;
+            }
+            if let (true, Some(below)) = (pinned == Some(&layer.id), below) {
+                // What lies below the layer that is being edited is kept as exact f32, so that a
+                // slider never evaluates it again. Exact, so no byte of the result changes.
+                self.pin(below);
+            }
+            let base = match below {
+                Some(below) => below,
+                None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
+            };
+            if let Some(over) = self.colour_layer(layer, base, ground) {
+                below = Some(over);
+            }
+        }
+        self.element_colours(project, below)
+    }
+
+    /// Planning elements' own colours over all layers.
+    fn element_colours(
+        &mut self,
+        project: &Project,
+        mut below: Option<NodeIndex>,
+    ) -> Option<NodeIndex> {
+        let elements = project.elements_in(project.scenario.as_ref());
+        let runs = element_colours::painted(&elements);
+        for drawing in self.nodes.painted.drawings(runs, self.planet) {
+            let node = match drawing {
+                Ok(drawing) => Arc::new(Vector::new(drawing)),
+                Err(text) => {
+                    self.problems.push(Message {
+                        severity: Severity::Warning,
+                        layer: None,
+                        element: None,
+                        text: format!("colours of planning elements: {text}"),
+                    });
+                    continue;
+                }
+            };
+            let top = self.builder.add(node, &[]);
+            self.builder.cut(top, SampleType::Rgba8);
+            let finest = level_of_step(vectors::FINEST_M / self.planet.radius_m);
+            self.details.push(Detail::everywhere(top, finest));
+            let base = match below {
+                Some(below) => below,
+                None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
+            };
+            let overlay = Overlay::new(BlendMode::Normal, 1.0, false);
+            below = Some(self.builder.add(Arc::new(overlay), &[base, top]));
+        }
+        below
+    }
+
+    fn pin(&mut self, node: NodeIndex) {
+        self.builder.cut(node, SampleType::Rgba32F);
+    }
+
+    fn colour_layer(
+        &mut self,
+        layer: &Layer,
+        base: NodeIndex,
+        ground: Ground,
+    ) -> Option<NodeIndex> {
+        match &layer.kind {
+            LayerKind::Imagery(imagery) => {
+                let file = self.open(layer)?;
+                let finest =
+                    level_of_step(self.warp(layer, &file, &imagery.source)?.finest_step_rad());
+                let top = self.file_node(layer, &file, &imagery.source, (1.0, 0.0))?;
+                let deep = file.info().deep_colour;
+                self.builder.cut(
+                    top,
+                    if deep {
+                        SampleType::Rgba16F
+                    } else {
+                        SampleType::Rgba8
+                    },
+                );
+                self.details.push(Detail::everywhere(top, finest));
+                let adjusted = self.adjusted(layer, &imagery.adjust, top);
+                let (inputs, masked) =
+                    self.with_fade(layer, &file, &imagery.source, base, adjusted)?;
+                let overlay = Overlay::new(blend_mode(imagery.blend), layer.opacity as f32, masked);
+                Some(self.add(layer, Arc::new(overlay), &inputs))
+            }
+            LayerKind::Tint(tint) => {
+                let node = self.keep(layer, relief::tint(&tint.tint))?;
+                let top = self.add(layer, node, &[ground.height]);
+                let adjusted = self.adjusted(layer, &tint.adjust, top);
+                Some(self.over(layer, base, adjusted, tint.blend))
+            }
+            LayerKind::Slope(slope) => {
+                let normal = self.normal_of(layer, ground)?;
+                let node = self.keep(layer, relief::slope(slope))?;
+                let angle = self.add(layer, Arc::new(SlopeAngle), &[normal]);
+                let top = self.add(layer, node, &[angle]);
+                Some(self.over(layer, base, top, slope.blend))
+            }
+            LayerKind::Contours(contours) => {
+                let normal = self.normal_of(layer, ground)?;
+                let node = self.keep(layer, relief::contours(contours, self.planet))?;
+                let top = self.add(layer, node, &[ground.height, normal]);
+                // Lines stay thin where the view is nearer than the data are fine.
+                let finest = level_of_step(relief::FINEST_CONTOURS_M / self.planet.radius_m);
+                self.details.push(Detail::everywhere(top, finest));
+                Some(self.over(layer, base, top, contours.blend))
+            }
+            LayerKind::Vector(vector) => {
+                let top = self.vector_node(layer, vector)?;
+                self.builder.cut(top, SampleType::Rgba8);
+                let finest = level_of_step(vectors::FINEST_M / self.planet.radius_m);
+                self.details.push(Detail::everywhere(top, finest));
+                Some(self.over(layer, base, top, Blend::Normal))
+            }
+            LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. } => None,
+        }
+    }
+
+    /// A layer's colours over what lies below, as its opacity and blend mode say.
+    fn over(&mut self, layer: &Layer, base: NodeIndex, top: NodeIndex, blend: Blend) -> NodeIndex {
+        let overlay = Overlay::new(blend_mode(blend), layer.opacity as f32, false);
+        self.add(layer, Arc::new(overlay), &[base, top])
+    }
+
+    /// Normals of the shown ground; notes where it has none because it is level everywhere.
+    fn normal_of(&mut self, layer: &Layer, ground: Ground) -> Option<NodeIndex> {
+        if ground.normal.is_none() {
+            self.left_out.push((layer.id.clone(), "no heights"));
+        }
+        ground.normal
+    }
+
+    fn adjusted(&mut self, layer: &Layer, adjust: &ProjectAdjust, top: NodeIndex) -> NodeIndex {
+        if adjust.is_identity() {
+            return top;
+        }
+        let params = AdjustParams {
+            gain: adjust.gain,
+            // The project's brightness is a sum, as users of image editors know it.
+            offset: adjust.offset.map(|o| o + adjust.brightness),
+            contrast: adjust.contrast,
+            hue_deg: adjust.hue_deg,
+            saturation: adjust.saturation,
+            gamma: adjust.gamma,
+            ..AdjustParams::default()
+        };
+        self.add(layer, Arc::new(Adjust::new(&params)), &[top])
+    }
+
+    /// A vector layer's features in its style; kept while neither changes.
+    fn vector_node(&mut self, layer: &Layer, vector: &VectorLayer) -> Option<NodeIndex> {
+        let SourceState::Features(open) = self.ready(layer)? else {
+            return None;
+        };
+        let features = Arc::clone(&open.features);
+        let style = vectors::style(&vector.style);
+        let address = Arc::as_ptr(&features).addr();
+        let planet = self.planet;
+        let name = format!("vector {address} {style:?} {planet:?}");
+        let node = self.nodes.get(&mut self.used, name, || {
+            Arc::new(Vector::new(Arc::new(Drawing::new(features, style, planet))))
+        });
+        Some(self.add(layer, node, &[]))
+    }
+}
+
+fn blend_mode(blend: Blend) -> BlendMode {
+    match blend {
+        Blend::Normal => BlendMode::Normal,
+        Blend::Multiply => BlendMode::Multiply,
+        Blend::Add => BlendMode::Add,
+        Blend::Screen => BlendMode::Screen,
+        Blend::Overlay => BlendMode::Overlay,
+    }
+}

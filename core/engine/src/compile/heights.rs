@@ -1,0 +1,149 @@
+//! The shown ground: height layers from the bottom up, planning elements over them, and normals.
+
+use std::sync::Arc;
+
+use relievo_graph::nodes::{AddHeights, Constant, Noise, NoiseParams, Normals, OverlayHeights};
+use relievo_graph::{ImageNode, NodeIndex};
+use relievo_project::{Layer, LayerKind, NoiseMode, Project};
+use relievo_raster::SampleType;
+
+use super::{Compiler, level_of_step};
+use crate::message::{Message, Severity};
+use crate::scene::{Detail, Elements};
+
+impl Compiler<'_> {
+    pub(super) fn heights(&mut self, project: &Project) -> NodeIndex {
+        // Where no source has a height the ground is at the datum, so that there is no hole in it.
+        let mut below = self.builder.add(Arc::new(Constant::height(0.0)), &[]);
+        for layer in &project.layers {
+            let is_height = matches!(layer.kind, LayerKind::Height(_) | LayerKind::Noise(_));
+            if !is_height || !self.takes_part(layer) {
+                continue;
+            }
+            if let Some(over) = self.height_layer(layer, below) {
+                below = over;
+            }
+        }
+        self.builder.cut(below, SampleType::Height);
+        below
+    }
+
+    /// What the planning elements of the shown scenario make of the ground.
+    pub(super) fn elements(
+        &mut self,
+        project: &Project,
+        ground: NodeIndex,
+    ) -> (NodeIndex, Elements) {
+        let elements = project.elements_in(project.scenario.as_ref());
+        let plan = self.nodes.elements.plan(self.planet, &elements);
+        for (element, text) in &plan.warnings {
+            self.problems.push(Message {
+                severity: Severity::Warning,
+                layer: None,
+                element: Some(element.clone()),
+                text: text.clone(),
+            });
+        }
+        let Some(node) = plan.node.clone() else {
+            return (ground, Elements::default());
+        };
+        let planned = self
+            .builder
+            .add(Arc::clone(&node) as Arc<dyn ImageNode>, &[ground]);
+        self.builder.cut(planned, SampleType::Height);
+        if let Some(detail_m) = plan.detail_m() {
+            self.details.push(Detail {
+                node: planned,
+                finest: level_of_step(detail_m / self.planet.radius_m),
+                within: Some(Arc::clone(&node)),
+            });
+        }
+        let elements = Elements {
+            node: Some(node),
+            all: plan.placed.into_iter().map(|(e, _)| e).collect(),
+        };
+        (planned, elements)
+    }
+
+    fn height_layer(&mut self, layer: &Layer, below: NodeIndex) -> Option<NodeIndex> {
+        let opacity = layer.opacity as f32;
+        match &layer.kind {
+            LayerKind::Height(height) => {
+                let file = self.open(layer)?;
+                let finest =
+                    level_of_step(self.warp(layer, &file, &height.source)?.finest_step_rad());
+                let (scale, offset) = (height.vertical_scale, height.offset_m);
+                let top = self.file_node(layer, &file, &height.source, (scale, offset))?;
+                self.builder.cut(top, SampleType::Height);
+                self.details.push(Detail::everywhere(top, finest));
+                let (inputs, masked) = self.with_fade(layer, &file, &height.source, below, top)?;
+                Some(self.add(
+                    layer,
+                    Arc::new(OverlayHeights::new(opacity, masked)),
+                    &inputs,
+                ))
+            }
+            LayerKind::Noise(noise) => {
+                let params = &noise.noise;
+                // Noise that adds is scaled by its opacity, so that half of it is half as high.
+                let share = if params.mode == NoiseMode::Add {
+                    layer.opacity
+                } else {
+                    1.0
+                };
+                let node = Noise::new(
+                    self.planet,
+                    &NoiseParams {
+                        seed: u64::from(params.seed),
+                        amplitude_m: params.amplitude_m * share,
+                        wavelength_m: params.wavelength_m,
+                        octaves: params.octaves,
+                        lacunarity: params.lacunarity,
+                        gain: params.gain,
+                        ridged: params.ridged,
+                    },
+                );
+                let mut top = self.add(layer, Arc::new(node), &[]);
+                self.builder.cut(top, SampleType::Height);
+                let shortest_m = params.wavelength_m
+                    / params
+                        .lacunarity
+                        .powi(params.octaves.saturating_sub(1) as i32);
+                let step_rad = shortest_m / (4.0 * self.planet.radius_m);
+                self.details
+                    .push(Detail::everywhere(top, level_of_step(step_rad)));
+                if params.offset_m != 0.0 {
+                    let offset = Constant::height((params.offset_m * share) as f32);
+                    let offset = self.add(layer, Arc::new(offset), &[]);
+                    top = self.add(layer, Arc::new(AddHeights), &[top, offset]);
+                }
+                Some(match params.mode {
+                    NoiseMode::Replace => self.add(
+                        layer,
+                        Arc::new(OverlayHeights::new(opacity, false)),
+                        &[below, top],
+                    ),
+                    NoiseMode::Add => self.add(layer, Arc::new(AddHeights), &[below, top]),
+                })
+            }
+            LayerKind::Imagery(_)
+            | LayerKind::Tint(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. } => None,
+        }
+    }
+
+    /// Normals of the ground as it is; front-ends steepen them with the heights they draw.
+    pub(super) fn normals(&mut self, height: NodeIndex) -> Option<NodeIndex> {
+        if self.details.is_empty() {
+            return None;
+        }
+        let node = self
+            .builder
+            .add(Arc::new(Normals::new(self.planet, 1.0)), &[height]);
+        self.builder.cut(node, SampleType::Normal);
+        Some(node)
+    }
+}
