@@ -35,6 +35,10 @@ pub enum Command {
     AddNoise,
     /// Adds a layer that colours heights.
     AddTint,
+    /// Adds a layer that colours slopes.
+    AddSlope,
+    /// Adds a layer of contour lines.
+    AddContours,
     /// Removes the selected element or layer.
     RemoveLayer,
     /// Moves the selected element or layer up in the list.

@@ -1,5 +1,7 @@
 //! Pictures of the renderer as files, and how fine they are asked for.
 
+pub(crate) mod labels;
+
 use std::path::Path;
 
 use relievo_engine::View;

@@ -241,17 +241,23 @@ fn other_planet(project: &Project, info: &RasterInfo) -> Option<String> {
 fn heights_for_tints(project: &Project, found: &mut Vec<Problem>) {
     let gives_heights =
         |l: &Layer| matches!(l.kind, LayerKind::Height(_) | LayerKind::Noise(_)) && l.visible;
-    if project.layers.iter().any(gives_heights) {
+    if project.layers.iter().any(gives_heights) || !project.elements.is_empty() {
         return;
     }
     for (index, layer) in project.layers.iter().enumerate() {
-        if matches!(layer.kind, LayerKind::Tint(_)) && layer.visible {
+        let wants_heights = matches!(
+            layer.kind,
+            LayerKind::Tint(_) | LayerKind::Slope(_) | LayerKind::Contours(_)
+        );
+        if wants_heights && layer.visible {
             found.push(Problem {
                 severity: Severity::Warning,
                 place: format!("/layers/{index}"),
                 layer: Some(text_of(&layer.id)),
-                what: "expected visible heights to colour, found none: all is one colour"
-                    .to_owned(),
+                what: format!(
+                    "expected visible heights for a layer of kind {}, found none: the ground is level",
+                    layer.kind.name()
+                ),
                 mend: "add a height or noise layer, or show one".to_owned(),
                 edits: Vec::new(),
             });

@@ -232,6 +232,8 @@ fn say_how_tiles_are_read(kind: &mut LayerKind, arguments: &Arguments) {
         LayerKind::Imagery(imagery) => imagery.source.tile_rows = rows,
         LayerKind::Noise(_)
         | LayerKind::Tint(_)
+        | LayerKind::Slope(_)
+        | LayerKind::Contours(_)
         | LayerKind::Vector(_)
         | LayerKind::Unknown { .. } => {}
     }

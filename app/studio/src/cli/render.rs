@@ -99,7 +99,10 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         let settings = &engine.project().quality;
         let view = picture::view(camera, arguments.size, settings, &device.quality);
         match Still::draw(&mut engine, view, &device, limit, context) {
-            Ok(drawn) => break drawn,
+            Ok((still, mut picture)) => {
+                picture::labels::draw(&mut picture, &engine.labels(&view));
+                break (still, picture);
+            }
             Err(DrawFailure::Other(failure)) => return Err(failure),
             Err(DrawFailure::Device(error)) => device.mend(&error, context)?,
         }

@@ -135,6 +135,20 @@ pub const TABLE: &[Entry] = &[
         "Add colours by height",
         &[],
     ),
+    entry(
+        Command::AddSlope,
+        Menu::Layer,
+        "Add slope colours",
+        "Add colours by the steepness of the ground, planning elements included",
+        &[],
+    ),
+    entry(
+        Command::AddContours,
+        Menu::Layer,
+        "Add contour lines",
+        "Add lines of equal height of the ground, planning elements included",
+        &[],
+    ),
     group(entry(
         Command::ToggleVisible,
         Menu::Layer,

@@ -3,6 +3,7 @@
 mod adjust;
 pub(crate) mod element;
 mod heights;
+mod relief;
 mod tint;
 mod vector;
 
@@ -92,6 +93,14 @@ impl Inspector {
                     LayerKind::Height(l) => height(ui, id, l, actions),
                     LayerKind::Noise(l) => heights::noise(ui, id, &l.noise, actions),
                     LayerKind::Tint(l) => tint_layer(ui, id, l, actions),
+                    LayerKind::Slope(l) => {
+                        blend(ui, id, l.blend, actions);
+                        section(ui, "Colours", |ui| relief::slope(ui, id, l, actions));
+                    }
+                    LayerKind::Contours(l) => {
+                        blend(ui, id, l.blend, actions);
+                        section(ui, "Lines", |ui| relief::contours(ui, id, l, actions));
+                    }
                     LayerKind::Vector(l) => {
                         section(ui, "Style", |ui| vector::show(ui, id, &l.style, actions));
                     }

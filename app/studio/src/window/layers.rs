@@ -27,7 +27,13 @@ pub(crate) fn show(
         ui.weak(text);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.menu_button("Add", |ui| {
-                for command in [Command::AddFiles, Command::AddNoise, Command::AddTint] {
+                for command in [
+                    Command::AddFiles,
+                    Command::AddNoise,
+                    Command::AddTint,
+                    Command::AddSlope,
+                    Command::AddContours,
+                ] {
                     let entry = entry_of(command);
                     if ui.button(entry.title).on_hover_text(entry.help).clicked() {
                         actions.push(Action::Run(command));

@@ -1,7 +1,7 @@
 //! What made the ground under the pointer.
 
 use eframe::egui::{Grid, RichText, ScrollArea, Ui};
-use relievo_engine::project::{LayerId, Project};
+use relievo_engine::project::{ElementId, LayerId, Project};
 use relievo_engine::{Maker, PlaceAnswer};
 
 use super::layers;
@@ -51,7 +51,7 @@ pub(crate) fn show(
     });
 }
 
-/// Nodes in order of evaluation, with the names of their layers.
+/// Nodes in order of evaluation, with the names of their layers and of elements that decide.
 fn makers(ui: &mut Ui, title: &str, project: &Project, makers: &[Maker]) {
     if makers.is_empty() {
         return;
@@ -64,6 +64,16 @@ fn makers(ui: &mut Ui, title: &str, project: &Project, makers: &[Maker]) {
             let name = project.layer(&id).map_or(id.0, layers::name_of);
             format!(" of {name}")
         });
-        ui.label(format!("{}. {}{name}", at + 1, maker.node));
+        let element = maker.element.as_ref().map(|id| {
+            let id = ElementId(id.clone());
+            let element = project.element_in(project.scenario.as_ref(), &id);
+            let name = element.map_or(id.0.clone(), |e| e.name.clone());
+            let part = maker
+                .part
+                .map_or_else(String::new, |part| format!("{part} of "));
+            format!(", {part}{name}")
+        });
+        let element = element.unwrap_or_default();
+        ui.label(format!("{}. {}{name}{element}", at + 1, maker.node));
     }
 }

@@ -146,6 +146,8 @@ impl Window {
             other @ (LayerKind::Imagery(_)
             | LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
             | LayerKind::Vector(_)
             | LayerKind::Unknown { .. }) => panic!("expected a tint, found {}", other.name()),
         }

@@ -134,6 +134,8 @@ fn fits(file: &Path, layer: &Layer) -> Result<(), String> {
         LayerKind::Imagery(_)
         | LayerKind::Noise(_)
         | LayerKind::Tint(_)
+        | LayerKind::Slope(_)
+        | LayerKind::Contours(_)
         | LayerKind::Vector(_)
         | LayerKind::Unknown { .. } => Bands::Colour,
     };

@@ -221,6 +221,8 @@ fn state(engine: &Engine, layer: &Layer) -> State {
         LayerKind::Height(_) => "heights",
         LayerKind::Noise(_) => "noise heights",
         LayerKind::Tint(_) => "height colours",
+        LayerKind::Slope(_) => "slopes",
+        LayerKind::Contours(_) => "contour lines",
         LayerKind::Vector(_) => "features",
         LayerKind::Unknown { kind } => {
             return State::LeftOut(format!("{kind}: of a newer Relievo, without effect"));

@@ -1,7 +1,9 @@
 //! Carrying out what panels and keys ask for.
 
 use eframe::egui::{self, ThemePreference, ViewportCommand};
-use relievo_engine::project::{Edit, LayerKind, Noise, NoiseLayer, ScenarioId};
+use relievo_engine::project::{
+    ContoursLayer, Edit, LayerKind, Noise, NoiseLayer, ScenarioId, SlopeLayer,
+};
 
 use super::layer_edits::map_colours;
 use super::{Dragging, Studio};
@@ -95,6 +97,10 @@ impl Studio {
                 }),
             ),
             Command::AddTint => self.add_made("Height colours", LayerKind::Tint(map_colours())),
+            Command::AddSlope => self.add_made("Slopes", LayerKind::Slope(SlopeLayer::default())),
+            Command::AddContours => {
+                self.add_made("Contours", LayerKind::Contours(ContoursLayer::default()));
+            }
             Command::RemoveLayer
             | Command::MoveUp
             | Command::MoveDown

@@ -38,6 +38,8 @@ impl Studio {
             | Command::AddFiles
             | Command::AddNoise
             | Command::AddTint
+            | Command::AddSlope
+            | Command::AddContours
             | Command::NorthUp
             | Command::ResetView
             | Command::GoTo

@@ -3,23 +3,9 @@
 use eframe::egui::{Align2, Color32, FontId, Ui, vec2};
 use relievo_engine::View;
 
+use crate::picture::labels::{AROUND, HALO};
 use crate::window::compare::Parts;
 use crate::window::studio::Studio;
-
-/// Offsets at which a text is drawn for its halo, in parts of its size.
-const AROUND: [[f32; 2]; 8] = [
-    [-1.0, 0.0],
-    [1.0, 0.0],
-    [0.0, -1.0],
-    [0.0, 1.0],
-    [-0.7, -0.7],
-    [0.7, -0.7],
-    [-0.7, 0.7],
-    [0.7, 0.7],
-];
-
-/// Width of a halo in parts of the letters' height.
-const HALO: f32 = 0.09;
 
 impl Studio {
     /// Draws the texts that the latest view shows.
