@@ -14,12 +14,12 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use relievo_engine::planet::{Camera, MapPoint};
+use relievo_engine::planet::{Camera, Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_engine::project::{Edit, LayerKind, Project};
 use relievo_engine::raster::crs::Crs;
 use relievo_engine::raster::open::{OpenOptions, open};
 use relievo_engine::raster::{Bands, Block, Cancel, PixelRect, RasterFile, worldfile};
-use relievo_engine::{Engine, EngineOptions, View};
+use relievo_engine::{Engine, EngineOptions, View, vector};
 
 /// A target's name and what it does.
 pub type Target = (&'static str, fn(&[u8]));
@@ -34,6 +34,9 @@ pub const ALL: &[Target] = &[
     ("ascii_grid", ascii_grid),
     ("mbtiles", mbtiles),
     ("pmtiles", pmtiles),
+    ("geojson", geojson),
+    ("flatgeobuf", flatgeobuf),
+    ("shapefile", shapefile),
     ("world_file", world_file),
     ("crs", crs),
     ("project", project),
@@ -96,6 +99,69 @@ pub fn mbtiles(bytes: &[u8]) {
 pub fn pmtiles(bytes: &[u8]) {
     if bytes.starts_with(b"PMTiles") {
         read_file("hostile.pmtiles", bytes);
+    }
+}
+
+/// GeoJSON.
+pub fn geojson(bytes: &[u8]) {
+    if bytes.trim_ascii_start().first() == Some(&b'{') {
+        read_features("hostile.geojson", bytes);
+    }
+}
+
+/// FlatGeobuf.
+pub fn flatgeobuf(bytes: &[u8]) {
+    if bytes.starts_with(b"fgb\x03") {
+        read_features("hostile.fgb", bytes);
+    }
+}
+
+/// The shapes of a Shapefile, without the files beside them.
+pub fn shapefile(bytes: &[u8]) {
+    if bytes.starts_with(&9994_u32.to_be_bytes()) {
+        read_features("hostile.shp", bytes);
+    }
+}
+
+/// Opens a file of vectors, and draws what it holds where it lies, from afar and from near by.
+fn read_features(name: &str, bytes: &[u8]) {
+    let path = scratch(name);
+    std::fs::write(&path, bytes).expect("the scratch folder can be written");
+    let options = vector::OpenOptions {
+        limits: vector::Limits {
+            vertices: 100_000,
+            ..vector::Limits::default()
+        },
+        ..vector::OpenOptions::default()
+    };
+    let features = match vector::open(&path, &options) {
+        Ok((features, _)) => features,
+        Err(error) => return check_named(&error.to_string(), &path),
+    };
+    assert!(features.vertices() <= 100_000, "no more than is allowed");
+    let Some(bounds) = features.bounds() else {
+        return;
+    };
+    let style = vector::Style {
+        fill: Some([1.0; 4]),
+        stroke: Some([0.0, 0.0, 0.0, 1.0]),
+        stroke_width: Some(vector::style::Length::Pixels(2.0)),
+        ..vector::Style::default()
+    };
+    let drawing = vector::Drawing::new(features.into(), style, Planet::EARTH);
+    let at = bounds.centre();
+    let place = MapPoint::new(at.x, core::f64::consts::FRAC_PI_2 - at.y).normalised();
+    for n in [0, 8, 20] {
+        let level = LevelKey::new(n, n);
+        let s = level.sample_from_map(place).as_i64vec2();
+        let rect = SampleRect::at(s.x - 16, s.y - 16, 32, 32);
+        let grid = Grid::new(level.lattice().into(), rect);
+        let mut out = Block::new(Bands::Colour, 32, 32);
+        let drawn = drawing.render(&grid, &mut out, &Cancel::default());
+        drawn.expect("a map can be drawn");
+        assert!(out.samples().iter().all(|v| v.is_finite()));
+        let empty = out.plane(3).iter().all(|a| *a == 0.0);
+        assert!(empty || drawing.reaches(&grid), "what is drawn reaches");
     }
 }
 
