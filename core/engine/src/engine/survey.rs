@@ -61,7 +61,8 @@ impl Engine {
             }
             let ended = found.1;
             drop(found);
-            if ended || survey.revision != scene.revision {
+            // Tiles come first: the revision that is being made will be looked at anew.
+            if ended || survey.revision != scene.revision || self.making.is_some() {
                 survey.running = None;
             }
         }
