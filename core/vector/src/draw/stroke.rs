@@ -423,7 +423,7 @@ impl Stroker<'_> {
         self.corners.clear();
         self.corners.extend([v.at, v.at + from * radii]);
         arc(from, to, radius, &mut |u| {
-            self.corners.push(v.at + u * radii)
+            self.corners.push(v.at + u * radii);
         });
         self.corners.push(v.at + to * radii);
         self.path.polygon(&self.corners);
