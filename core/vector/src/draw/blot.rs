@@ -9,15 +9,15 @@ use super::stroke::arc;
 use super::{Painter, Shown};
 use crate::features::{Shape, on_antimeridian};
 
-/// Longest ring that is drawn so, in samples.
-const LONGEST: f64 = 16.0;
+/// Longest ring that is drawn so, in samples: dents of longer ones can be seen.
+const LONGEST: f64 = 4.0;
 
 impl Painter<'_> {
     /// Adds the stroke of a small ring, if its inside is covered too: everything within half the width
     /// of the smallest convex shape around it. Whether it was.
     ///
-    /// Edges are straight in the samples of the place, and dents are filled; both are less than what is
-    /// narrower than the stroke, whichever cell asks.
+    /// Edges are straight in the samples of the place, and dents are filled: at most a small part of a
+    /// sample each, whichever cell asks.
     pub(super) fn blot(&self, shown: &Shown, half_m: f64, path: &mut Path) -> bool {
         let part = shown.part;
         let bounds = &part.bounds;
