@@ -36,6 +36,10 @@ impl ImageNode for Vector {
         "vector"
     }
 
+    fn version(&self) -> u32 {
+        2
+    }
+
     fn output(&self) -> Bands {
         Bands::Colour
     }
