@@ -108,7 +108,7 @@ impl Scene {
     /// Finest level n that is worth showing in windows of `size` samples around a focus: some source
     /// as fine as the level reaches into its window. A coarser level shows the same, magnified.
     pub(crate) fn finest_near(&self, focus: MapPoint, size: u32) -> u8 {
-        self.finest_in(|n| {
+        self.finest_in(u8::MAX, |n| {
             let level = LevelKey::new(
                 columns_exponent(n, focus.colat_rad, reach_rad(n, size), size),
                 n,
@@ -120,8 +120,13 @@ impl Scene {
         })
     }
 
-    /// Finest level n for which some source as fine as that reaches into a grid of the level.
-    pub(crate) fn finest_in(&self, grid_of: impl Fn(u8) -> Grid) -> u8 {
+    /// Finest level n for which some source as fine as that reaches into a grid of the level; planning
+    /// elements, which are exact, count as no finer than `exact`.
+    pub(crate) fn finest_in(&self, exact: u8, grid_of: impl Fn(u8) -> Grid) -> u8 {
+        let finest = |detail: &Detail| match detail.within {
+            Some(_) => detail.finest.min(exact),
+            None => detail.finest,
+        };
         let reaches = |n: u8, detail: &Detail| {
             let node = detail.node;
             if let Some(elements) = &detail.within {
@@ -137,7 +142,7 @@ impl Scene {
             .find(|n| {
                 self.details
                     .iter()
-                    .any(|d| d.finest >= *n && reaches(*n, d))
+                    .any(|d| finest(d) >= *n && reaches(*n, d))
             })
             .unwrap_or(0)
     }

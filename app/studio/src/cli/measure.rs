@@ -86,6 +86,8 @@ pub(crate) fn check_extension(file: &Path, known: &[&str]) -> Result<String, Fai
 pub(crate) fn unwritten(error: WriteError) -> Failure {
     match error {
         WriteError::Cancelled => Failure::Cancelled,
-        other => Failure::system(other),
+        other @ (WriteError::Samples(_)
+        | WriteError::Unsupported { .. }
+        | WriteError::Io { .. }) => Failure::system(other),
     }
 }

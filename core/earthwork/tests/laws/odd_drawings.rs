@@ -10,7 +10,7 @@ use relievo_earthwork::{
 };
 use relievo_planet::{MapPoint, Planet};
 
-use crate::common::{alps, at, corridor, platform, polygon, shaped, shaped_on};
+use crate::common::{alps, at, platform, shaped, shaped_on};
 
 /// Polygons as nobody should draw them.
 fn nasty() -> impl Strategy<Value = Vec<(f64, f64)>> {

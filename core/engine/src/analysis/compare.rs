@@ -26,7 +26,7 @@ use crate::scene::Scene;
 use pair::{FINEST_M, Pair};
 use sites::{Widths, apart, meet};
 use steps::{state, steps};
-use version::{as_shown, is_added_noise, surveyed, with_elements};
+use version::{as_shown, surveyed, with_elements};
 
 pub use steps::Step;
 pub use version::Version;
@@ -166,17 +166,7 @@ impl Engine {
             });
         }
         let mut notes = notes::notes(project, [a, b]);
-        if first.layers != last.layers {
-            notes.push(match bounds {
-                Some(_) => "The versions show different height layers: the total counts them within the bounds, the rows of elements stand on the second version's ground.",
-                None => "The versions show different height layers: the total counts them where elements change; give bounds to count them elsewhere. Rows of elements stand on the second version's ground.",
-            }.to_owned());
-        }
-        if project.layers.iter().any(is_added_noise) {
-            notes.push(
-                "Noise that is added to other heights is left out of all measures.".to_owned(),
-            );
-        }
+        notes.extend(notes::of_grounds(project, &first, &last, bounds.is_some()));
         let reordered = from
             .iter()
             .map(|e| &e.id)

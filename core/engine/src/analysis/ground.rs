@@ -5,10 +5,14 @@ use std::sync::Arc;
 use glam::{DVec2, I64Vec2};
 use relievo_analysis::{AnalysisError, Ground, MapBox};
 use relievo_graph::{NodeIndex, RenderError};
+use relievo_planet::tile::TILE_SAMPLES;
 use relievo_planet::{Grid, Planet, SampleRect};
 use relievo_raster::Cancel;
 
 use crate::scene::Scene;
+
+/// Spacing in metres at which planning elements, which are exact, are measured where data are coarser.
+const EXACT_M: f64 = 1.0;
 
 /// A node of heights, evaluated.
 #[derive(Clone, Copy)]
@@ -25,7 +29,10 @@ impl Ground for SceneGround<'_> {
     }
 
     fn finest_level(&self, area: &MapBox) -> u8 {
-        self.scene.finest_in(|n| {
+        let step_rad = EXACT_M / self.planet.radius_m;
+        let rows = core::f64::consts::PI / step_rad / TILE_SAMPLES as f64;
+        let exact = libm::ceil(libm::log2(rows)).clamp(0.0, 30.0);
+        self.scene.finest_in(exact as u8, |n| {
             let level = area.level(n);
             let lattice = level.lattice();
             let at = |x, y| lattice.sample_from_plane(DVec2::new(x, y));

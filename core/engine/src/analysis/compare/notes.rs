@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use relievo_project::{Element, ElementId, Layer, LayerKind, Project};
 
-use super::version::Version;
+use super::version::{Version, is_added_noise};
 
 /// Most names that a note lists.
 const MOST_NAMES: usize = 5;
@@ -48,6 +48,27 @@ pub(super) fn notes(project: &Project, versions: [&Version; 2]) -> Vec<String> {
         "Layers that only look different, which moves no ground",
         looks.map(|(_, layer)| layer.name.as_str()).collect(),
     );
+    notes
+}
+
+/// Notes on what the ground of two versions, as it is surveyed, leaves out or counts.
+pub(super) fn of_grounds(
+    project: &Project,
+    first: &Project,
+    last: &Project,
+    has_bounds: bool,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    if first.layers != last.layers {
+        notes.push(if has_bounds {
+            "The versions show different height layers: the total counts them within the bounds, the rows of elements stand on the second version's ground."
+        } else {
+            "The versions show different height layers: the total counts them where elements change; give bounds to count them elsewhere. Rows of elements stand on the second version's ground."
+        }.to_owned());
+    }
+    if project.layers.iter().any(is_added_noise) {
+        notes.push("Noise that is added to other heights is left out of all measures.".to_owned());
+    }
     notes
 }
 
