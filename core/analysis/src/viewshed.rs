@@ -90,7 +90,12 @@ impl Viewshed {
 
     /// What is seen at a place; `Outside` beyond the square.
     pub fn at(&self, place: MapPoint) -> Sight {
-        let at = self.frame.point_m(place) / self.spacing_m;
+        self.sight(self.frame.point_m(place))
+    }
+
+    /// What is seen at a point of the frame in metres; `Outside` beyond the square.
+    pub fn sight(&self, at_m: DVec2) -> Sight {
+        let at = at_m / self.spacing_m;
         let reach = self.reach as f64;
         let (column, row) = (libm::round(at.x + reach), libm::round(reach - at.y));
         if !(0.0..=2.0 * reach).contains(&column) || !(0.0..=2.0 * reach).contains(&row) {

@@ -5,6 +5,7 @@
 
 mod colours;
 mod difference;
+mod marks;
 mod heights;
 mod relief;
 
@@ -25,6 +26,7 @@ use self::difference::Shown;
 use crate::difference::HeightDifference;
 use crate::element_colours::PaintedCache;
 use crate::elements::ElementCache;
+use crate::marks::Mark;
 use crate::message::{Message, Severity};
 use crate::scene::{Detail, Elements, Roots, Scene};
 use crate::sources::{SourceState, Sources};
@@ -94,6 +96,8 @@ pub(crate) struct Wish<'a> {
     pub(crate) pinned: Option<&'a LayerId>,
     /// Colours over all others that say how the ground differs from that of another project.
     pub(crate) difference: Option<(&'a Project, HeightDifference)>,
+    /// What lies over all colours, the first at the bottom.
+    pub(crate) marks: &'a [Mark],
 }
 
 /// Compiles a project. Files that are not open yet are left out; a project that is compiled again
@@ -135,6 +139,7 @@ pub(crate) fn compile(
         }
         None => colours,
     };
+    let colour = compiler.marks(wish.marks, colour);
     if let Some(root) = colour {
         compiler.builder.cut(root, SampleType::Rgba8);
     }
@@ -333,7 +338,7 @@ fn kernel(resampling: Resampling) -> Kernel {
 }
 
 /// The coarsest level whose samples are no longer than `step_rad` of colatitude.
-fn level_of_step(step_rad: f64) -> u8 {
+pub(crate) fn level_of_step(step_rad: f64) -> u8 {
     (0..FINEST)
         .find(|n| LevelKey::new(0, *n).step_rad().y <= step_rad * 1.01)
         .unwrap_or(FINEST)

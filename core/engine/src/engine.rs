@@ -39,6 +39,7 @@ use crate::compile::{self, NodeCache};
 use crate::difference::HeightDifference;
 use crate::frame::{ClipKind, Frame};
 use crate::labels::LabelCache;
+use crate::marks::Mark;
 use crate::masses::making::Bodies;
 use crate::message::{Message, Messages};
 use crate::query::Questions;
@@ -70,11 +71,15 @@ pub struct Engine {
     /// The layer that is being edited: what lies below it is pinned.
     pinned: Option<LayerId>,
     difference: Option<(Option<ScenarioId>, HeightDifference)>,
+    /// What lies over the project's colours.
+    pub(crate) marks: Vec<Mark>,
     revisions: u64,
+    /// Counts what happened to files.
+    file_news: u64,
     shown: Arc<Scene>,
     /// The revision that is being made, and the edit that waits behind it.
     making: Option<Arc<Scene>>,
-    stale: bool,
+    pub(crate) stale: bool,
     view: Option<View>,
     planner: Planner,
     /// Finest levels n of heights and colours that the data is worth near the focus.
@@ -153,7 +158,9 @@ impl Engine {
             messages: Messages::default(),
             pinned: None,
             difference: None,
+            marks: Vec::new(),
             revisions: 0,
+            file_news: 0,
             shown: Arc::new(empty.into_scene(0)),
             making: None,
             stale: true,
@@ -337,6 +344,11 @@ impl Engine {
             scene: Arc::new(compiled.into_scene(0)),
             planet,
         }
+    }
+
+    /// Counts how often files were opened, refused or changed: with as many edits answers are the same.
+    pub fn file_news(&self) -> u64 {
+        self.file_news
     }
 
     /// The files behind the layers.

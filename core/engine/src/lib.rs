@@ -15,6 +15,7 @@ pub mod export;
 pub mod frame;
 pub mod histogram;
 mod labels;
+mod marks;
 mod masses;
 mod message;
 pub mod query;
@@ -38,6 +39,7 @@ pub use engine::{
 pub use engine::{Made, NodeReport};
 pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
 pub use labels::PlacedLabel;
+pub use marks::Mark;
 pub use masses::{MassMesh, MassVertex};
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};

@@ -35,6 +35,7 @@ impl Engine {
         let wish = compile::Wish {
             pinned: self.pinned.as_ref(),
             difference: compared.as_ref().map(|(other, by)| (&**other, *by)),
+            marks: &self.marks,
         };
         let compiled = compile::compile(
             &as_shown(&self.project, self.project.scenario.as_ref()),
@@ -50,7 +51,9 @@ impl Engine {
 
     /// Takes in what happened to files.
     pub(super) fn hear_of_sources(&mut self) {
-        match self.sources.take_news() {
+        let news = self.sources.take_news();
+        self.file_news += u64::from(news != News::None);
+        match news {
             News::None => {}
             News::Opened => self.stale = true,
             News::Replaced => {
