@@ -57,6 +57,12 @@ pub enum Command {
     Compare(Mode),
     /// Ends the comparison.
     StopComparing,
+    /// Measures volumes and areas between two scenarios.
+    Volumes,
+    /// Makes contours of what the view shows.
+    Contours,
+    /// Forgets what was measured.
+    ClearResults,
     /// Keeps the present view.
     AddBookmark,
     /// Turns north up.
@@ -100,6 +106,8 @@ pub enum Menu {
     Layer,
     /// Planning elements and measuring.
     Draw,
+    /// What is measured on the terrain.
+    Analyse,
     /// The camera and how the window looks.
     View,
     /// The panes.
@@ -110,11 +118,12 @@ pub enum Menu {
 
 impl Menu {
     /// All of them, from left to right.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::File,
         Self::Edit,
         Self::Layer,
         Self::Draw,
+        Self::Analyse,
         Self::View,
         Self::Panes,
         Self::Help,
@@ -127,6 +136,7 @@ impl Menu {
             Self::Edit => "Edit",
             Self::Layer => "Layer",
             Self::Draw => "Draw",
+            Self::Analyse => "Analyse",
             Self::View => "View",
             Self::Panes => "Panes",
             Self::Help => "Help",

@@ -7,4 +7,5 @@ pub mod cli;
 pub mod commands;
 mod coverage;
 mod picture;
+mod report;
 pub mod window;

@@ -9,7 +9,9 @@
 //! frames. The thread that draws never makes a tile and never waits for one.
 
 mod action;
+mod analysis;
 mod bookmarks;
+mod classes;
 mod compare;
 mod controls;
 mod dialogs;
@@ -43,6 +45,7 @@ mod studio;
 mod theme;
 mod tools;
 mod viewport;
+mod waiting;
 
 use std::cell::RefCell;
 use std::path::PathBuf;

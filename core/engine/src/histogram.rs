@@ -10,6 +10,7 @@ use relievo_project::LayerId;
 use relievo_raster::{Bands, Block, Cancel};
 
 use crate::Questions;
+use crate::analysis::{MapBox, Task};
 use crate::sampling::Stage;
 
 /// Bins of a histogram.
@@ -17,6 +18,9 @@ pub const BINS: usize = 128;
 
 /// Columns and rows of the samples that are taken.
 const SAMPLES: I64Vec2 = I64Vec2::new(224, 160);
+
+/// Rows that are evaluated at once.
+const BAND: usize = 16;
 
 /// Rays along a side of the picture that say which region is visible.
 const RAYS: i32 = 17;
@@ -57,18 +61,61 @@ impl Questions {
         layer: &LayerId,
         camera: &Camera,
         aspect: f64,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Option<Histogram>, RenderError> {
         let Some(grid) = visible_grid(camera, &self.planet, aspect) else {
             return Ok(None);
         };
-        let before = self.layer_samples(layer, Stage::Source, &grid, cancel)?;
-        let after = self.layer_samples(layer, Stage::Adjusted, &grid, cancel)?;
+        let before = self.in_bands(layer, Stage::Source, &grid, (0.0, task))?;
+        let after = self.in_bands(layer, Stage::Adjusted, &grid, (0.5, task))?;
         let (Some(before), Some(after)) = (before, after) else {
             return Ok(None);
         };
         let seen = visible(camera, &self.planet, aspect, &grid);
         Ok(count(&before, &after, &seen))
+    }
+
+    /// A layer's samples, a few rows at a time, as the second half of a task or the first.
+    fn in_bands(
+        &self,
+        layer: &LayerId,
+        stage: Stage,
+        grid: &Grid,
+        (done, task): (f64, &Task),
+    ) -> Result<Option<Block>, RenderError> {
+        let (width, height) = (grid.rect.width(), grid.rect.height());
+        let mut whole: Option<Block> = None;
+        for row in (0..height).step_by(BAND) {
+            let rows = (BAND as i64).min(height - row);
+            let rect = SampleRect::at(grid.rect.min.x, grid.rect.min.y + row, width, rows);
+            let band = self.layer_samples(layer, stage, &grid.with_rect(rect), task.cancel)?;
+            let Some(band) = band else { return Ok(None) };
+            let size = (width as usize, height as usize);
+            let whole = whole.get_or_insert_with(|| Block::new(band.bands(), size.0, size.1));
+            for plane in 0..band.bands().planes() {
+                let first = row as usize * size.0;
+                let samples = band.plane(plane);
+                whole.plane_mut(plane)[first..first + samples.len()].copy_from_slice(samples);
+            }
+            (task.progress)(done + 0.5 * (row + rows) as f64 / height as f64);
+        }
+        Ok(whole)
+    }
+}
+
+impl Questions {
+    /// The box around the longitudes and colatitudes that a camera sees; `None` for the sky.
+    pub fn seen_area(&self, camera: &Camera, aspect: f64) -> Option<MapBox> {
+        let grid = visible_grid(camera, &self.planet, aspect)?;
+        let first = grid.lattice.origin;
+        let last = first + SAMPLES.as_dvec2() * grid.lattice.step;
+        let west_rad = wrap_longitude(first.x);
+        Some(MapBox {
+            west_rad,
+            east_rad: west_rad + (last.x - first.x).min(core::f64::consts::TAU),
+            north_colat_rad: first.y.max(0.0),
+            south_colat_rad: last.y.min(core::f64::consts::PI),
+        })
     }
 }
 

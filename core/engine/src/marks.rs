@@ -225,13 +225,21 @@ mod tests {
         if mark.node.known(&grid, &[]) == Known::Uniform([0.0; 4]) {
             return 0.0;
         }
-        graph.evaluate(node, &grid, &Cancel::default()).unwrap().plane(3)[0]
+        graph
+            .evaluate(node, &grid, &Cancel::default())
+            .unwrap()
+            .plane(3)[0]
     }
 
     #[test]
     fn water_is_drawn_up_to_its_shore_and_not_on_islands() {
         let mark = Mark::of_flood(&flood(), Planet::EARTH, [0.0, 0.0, 1.0, 0.5], [0.0; 4]).unwrap();
-        for (lon, lat, water) in [(179.4, 0.0, true), (-179.4, 0.5, true), (180.0, 0.0, false), (178.5, 0.0, false)] {
+        for (lon, lat, water) in [
+            (179.4, 0.0, true),
+            (-179.4, 0.5, true),
+            (180.0, 0.0, false),
+            (178.5, 0.0, false),
+        ] {
             assert_eq!(alpha(&mark, lon, lat) > 0.4, water, "{lon}, {lat}");
         }
     }
@@ -242,7 +250,13 @@ mod tests {
             let reach = 50;
             let side = 2 * reach + 1;
             // The northern half is hidden, as rows run from the north.
-            let sights = (0..side * side).map(|i| if i / side < reach { Sight::Hidden } else { Sight::Visible });
+            let sights = (0..side * side).map(|i| {
+                if i / side < reach {
+                    Sight::Hidden
+                } else {
+                    Sight::Visible
+                }
+            });
             let found = Viewshed {
                 frame: LocalFrame::new(Planet::EARTH, MapPoint::from_degrees(lon, lat)),
                 spacing_m: 1000.0,
@@ -257,7 +271,11 @@ mod tests {
                 let (lon, lat) = found.frame.place(DVec2::new(x, y)).to_degrees();
                 alpha(&mark, lon, lat)
             };
-            assert_eq!([at(0.0, 20_000.0), at(0.0, -20_000.0), at(0.0, 60_000.0)], [0.5, 1.0, 0.0], "{lon}, {lat}");
+            assert_eq!(
+                [at(0.0, 20_000.0), at(0.0, -20_000.0), at(0.0, 60_000.0)],
+                [0.5, 1.0, 0.0],
+                "{lon}, {lat}"
+            );
         }
     }
 }

@@ -102,6 +102,38 @@ fn unsaved_edits_are_offered_again_replayed_and_gone_after_a_save() {
 }
 
 #[test]
+fn an_offer_that_nobody_answers_is_made_again_whatever_is_done_meanwhile() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.relievo");
+    save_atomic(&path, &Project::default(), Replace::Never).unwrap();
+    let add = Edit::AddLayer {
+        index: None,
+        layer: Box::new(hills()),
+    };
+    let (mut engine, _) = open(&path);
+    engine.apply(add.clone()).unwrap();
+    drop(engine);
+    // Edits and a save of later runs do not take the offer away.
+    for save in [false, true] {
+        let (mut engine, guarded) = open(&path);
+        assert_eq!(guarded.offer.unwrap().edits(), [add.clone()]);
+        engine.apply(add.clone()).unwrap();
+        engine.apply(opacity(0.5)).unwrap();
+        if save {
+            engine.save(&path, Replace::Always).unwrap();
+        }
+        engine.forget_unsaved();
+    }
+    let (mut engine, guarded) = open(&path);
+    let offer = guarded.offer.unwrap();
+    assert!(!offer.fits(), "the file was saved since");
+    engine.decline(offer).unwrap();
+    engine.forget_unsaved();
+    drop(engine);
+    assert!(open(&path).1.offer.is_none());
+}
+
+#[test]
 fn a_project_without_a_name_survives_too() {
     let state = tempfile::tempdir().unwrap();
     let folder = tempfile::tempdir().unwrap();

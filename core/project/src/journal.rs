@@ -200,6 +200,13 @@ fn beside(project: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
+/// Where a journal goes that makes room for another.
+fn aside(journal: &Path) -> PathBuf {
+    let mut name = journal.as_os_str().to_owned();
+    name.push(".old");
+    PathBuf::from(name)
+}
+
 /// The journal of a project in a state folder.
 fn in_state_folder(project: &Path, state_folder: &Path) -> PathBuf {
     let full = std::path::absolute(project).unwrap_or_else(|_odd| project.to_owned());

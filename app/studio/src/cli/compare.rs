@@ -1,22 +1,14 @@
 //! `relievo compare`: what differs between two scenarios, in volumes and areas.
 
-mod html;
-mod table;
-
 use std::path::PathBuf;
 
-use relievo_engine::analysis::{MapBox, SitePictures, Version, VolumeSettings};
+use relievo_engine::analysis::{MapBox, Version, VolumeSettings};
 use relievo_engine::project::Project;
 
 use super::measure::{check_extension, deliver, measured, threads};
 use super::scenario::Scenario;
 use super::{Context, Failure, project, units};
-
-/// Pictures across in a report, pixels.
-const PICTURE_WIDTH: u32 = 720;
-
-/// Places of which a report has pictures.
-const MOST_SITES: usize = 8;
+use crate::report::{self, Format};
 
 /// Measure what differs between two scenarios.
 ///
@@ -74,20 +66,12 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let report = measured("comparing", &arguments.project, context, |task| {
         comparison.measure(&settings, task)
     })?;
-    let text = match kind.as_str() {
-        "csv" => table::csv(&report),
-        "html" => {
-            let mut sites: Vec<SitePictures> = Vec::new();
-            for site in 0..comparison.sites().min(MOST_SITES) {
-                sites.extend(measured("pictures", &arguments.project, context, |task| {
-                    comparison.pictures(site, PICTURE_WIDTH, task)
-                })?);
-            }
-            let title = arguments.project.file_stem().unwrap_or_default();
-            html::page(&title.to_string_lossy(), &report, &sites).map_err(Failure::system)?
-        }
-        _ => format!("{:#}\n", table::json(&report)),
-    };
+    let named = Format::ALL.into_iter().find(|(_, name)| *name == kind);
+    let format = named.map_or(Format::Json, |(format, _)| format);
+    let title = arguments.project.file_stem().unwrap_or_default();
+    let text = measured("pictures", &arguments.project, context, |task| {
+        report::text(format, &title.to_string_lossy(), &comparison, &report, task)
+    })?;
     deliver(
         text.as_bytes(),
         arguments.file.as_ref(),

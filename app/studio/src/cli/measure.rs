@@ -13,6 +13,7 @@ use relievo_engine::raster::write::WriteError;
 
 use super::progress::Progress;
 use super::{Context, Failure, project};
+use crate::report;
 
 /// Runs a measurement with a progress bar; `file` is named where it refuses.
 pub(crate) fn measured<R>(
@@ -56,14 +57,7 @@ pub(crate) fn deliver(
     if context.cancel.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    let mut part = file.clone().into_os_string();
-    part.push(".part");
-    let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, file));
-    written.map_err(|error| {
-        // What is there in part is of no use to anybody.
-        let _gone = std::fs::remove_file(&part);
-        Failure::System(format!("cannot write {file:?}: {error}"))
-    })
+    report::write(file, bytes).map_err(Failure::System)
 }
 
 /// Ends of file names that a command writes.

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use relievo_engine::project::{LayerId, resolve_path};
+use relievo_engine::project::LayerId;
 use relievo_engine::{Engine, OpenError, Severity, SourceState};
 
 use super::cache::engine_options;
 use super::progress::Progress;
 use super::scenario::Scenario;
 use super::{Context, Failure};
+use crate::report;
 
 /// The absolute form of a path, so that relative paths inside projects can be told from it.
 pub(crate) fn absolute(path: &Path) -> Result<PathBuf, Failure> {
@@ -98,25 +99,5 @@ pub(crate) fn check_output(
     inputs: &[&Path],
     engine: &Engine,
 ) -> Result<(), Failure> {
-    // What does not exist yet is nobody's input; whether it can be written shows when it is.
-    let Ok(place) = output.canonicalize() else {
-        return Ok(());
-    };
-    if place.is_dir() {
-        return Err(Failure::Input(format!(
-            "expected a file to write, found a folder: {output:?}"
-        )));
-    }
-    let folder = engine.folder();
-    let layers = engine.project().layers.iter();
-    let sources = layers.filter_map(|l| l.path().map(|path| resolve_path(folder, path)));
-    let read = inputs.iter().map(|i| i.to_path_buf()).chain(sources);
-    for input in read {
-        if input.canonicalize().is_ok_and(|input| input == place) {
-            return Err(Failure::Input(format!(
-                "expected an output beside what is read, found one of the inputs: {output:?}"
-            )));
-        }
-    }
-    Ok(())
+    report::check_output(output, inputs, engine).map_err(Failure::Input)
 }

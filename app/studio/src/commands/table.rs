@@ -47,6 +47,15 @@ const fn tool(
     entry(Command::Use(tool), Menu::Draw, title, help, shortcuts)
 }
 
+const fn analyse(
+    command: Command,
+    title: &'static str,
+    help: &'static str,
+    shortcuts: &'static [KeyboardShortcut],
+) -> Entry {
+    entry(command, Menu::Analyse, title, help, shortcuts)
+}
+
 const fn pane(
     pane: Pane,
     title: &'static str,
@@ -204,6 +213,18 @@ pub const TABLE: &[Entry] = &[
         &[keys(PLAIN, Key::P)],
     ),
     tool(
+        Tool::Hole,
+        "Draw hole",
+        "Draw a hole into the selected polygon",
+        &[keys(PLAIN, Key::H)],
+    ),
+    tool(
+        Tool::Breakline,
+        "Draw breakline",
+        "Draw a line that the selected polygon's surface through vertices follows",
+        &[keys(PLAIN, Key::K)],
+    ),
+    tool(
         Tool::Corridor,
         "Draw corridor",
         "Draw a road, dam, trench or channel along a line",
@@ -215,11 +236,41 @@ pub const TABLE: &[Entry] = &[
         "Raise, lower, smooth or flatten the ground by hand",
         &[keys(PLAIN, Key::B)],
     ),
-    group(tool(
-        Tool::Measure,
+    analyse(
+        Command::Use(Tool::Measure),
         "Measure",
         "Measure lengths and areas on the terrain",
         &[keys(PLAIN, Key::M)],
+    ),
+    analyse(
+        Command::Volumes,
+        "Measure volumes",
+        "Measure cut, fill and areas between two scenarios",
+        &[],
+    ),
+    analyse(
+        Command::Use(Tool::Observer),
+        "See from a place",
+        "Place an observer on the terrain to see what is in sight",
+        &[keys(PLAIN, Key::O)],
+    ),
+    analyse(
+        Command::Use(Tool::Water),
+        "Flood from a place",
+        "Choose a place on the terrain where still water stands",
+        &[keys(PLAIN, Key::U)],
+    ),
+    analyse(
+        Command::Contours,
+        "Contours of this view",
+        "Make contour lines of what the view shows, to write them to a file",
+        &[],
+    ),
+    group(analyse(
+        Command::ClearResults,
+        "Clear results",
+        "Forget what was measured and take it off the terrain",
+        &[],
     )),
     entry(
         Command::NorthUp,
@@ -398,6 +449,30 @@ pub const TABLE: &[Entry] = &[
         "Profile",
         "Show or hide heights along what is measured or selected",
         &[keys(CTRL_SHIFT, Key::F)],
+    ),
+    pane(
+        Pane::Volumes,
+        "Volumes",
+        "Show or hide volumes and areas between two scenarios",
+        &[keys(CTRL_SHIFT, Key::U)],
+    ),
+    pane(
+        Pane::Viewshed,
+        "Viewshed",
+        "Show or hide what is seen from a place",
+        &[keys(CTRL_SHIFT, Key::J)],
+    ),
+    pane(
+        Pane::Flood,
+        "Flood",
+        "Show or hide still water at a level",
+        &[keys(CTRL_SHIFT, Key::R)],
+    ),
+    pane(
+        Pane::Contours,
+        "Contours",
+        "Show or hide contours to be written to a file",
+        &[keys(CTRL_SHIFT, Key::K)],
     ),
     pane(
         Pane::Graph,

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use relievo_engine::planet::Camera;
 use relievo_engine::project::{Edit, ElementId, LayerId, ScenarioId};
 
+use super::analysis::Export;
+use super::classes::Recipe;
 use super::compare::Mode;
 use super::panes::Pane;
 use super::tools::Spot;
@@ -39,6 +41,10 @@ pub(crate) enum Action {
     FlyTo(LayerId),
     /// Selects a layer and asks for its file.
     Locate(LayerId),
+    /// Asks where to write what was measured.
+    Export(Export),
+    /// Makes classes of a vector layer's features.
+    Classify(LayerId, Recipe),
     /// Opens a project.
     Open(PathBuf),
     /// Forgets the projects that were open lately.

@@ -235,13 +235,14 @@ impl Studio {
     pub(super) fn compare_overlay(&mut self, ui: &mut Ui, rect: Rect, parts: &Parts) {
         let project = self.document.project();
         let own = name_of(project, project.scenario.as_ref());
+        let revision = self.state();
         let Some(compare) = &mut self.compare else {
             return;
         };
         let other = name_of(project, compare.other.as_ref());
         if compare.mode == Mode::Difference && parts.other.is_none() {
             let wanted = Wanted {
-                revision: self.document.revision(),
+                revision,
                 camera: *self.navigation.camera(),
                 aspect: f64::from(rect.aspect_ratio()),
             };

@@ -287,6 +287,7 @@ fn path(ui: &mut Ui, purpose: Purpose, text: &mut String) -> Option<Answer> {
         Purpose::Add => ("Add a raster file", "Add"),
         Purpose::Picture => ("Save picture as", "Save"),
         Purpose::Locate => ("Locate the layer's file", "Link"),
+        Purpose::Export(export) => (export.title(), "Save"),
     };
     ui.heading(title);
     ui.weak("This desktop has no file dialog; type the path.");

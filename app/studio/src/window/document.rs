@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use relievo_engine::planet::Camera;
 use relievo_engine::project::{
-    Edit, EditError, FileStamp, JournalOptions, Project, Recovery, Replace, SaveProjectError,
+    self, Abandoned, Edit, EditError, FileStamp, JournalOptions, Project, Recovery, Replace,
+    SaveProjectError,
 };
 use relievo_engine::{Engine, EngineOptions, Guarded, OpenError};
 
@@ -19,6 +20,10 @@ pub struct Document {
     changed: bool,
     /// Counts changes, undo and redo included.
     revision: u64,
+    /// Where a project without a file is kept safe from its first edit on.
+    unguarded: Option<PathBuf>,
+    /// Why it is not, for the log.
+    trouble: Option<String>,
 }
 
 impl Document {
@@ -51,11 +56,8 @@ impl Document {
         let (Some(path), Some(stamp)) = (&self.path, self.stamp) else {
             return Guarded::default();
         };
-        let options = JournalOptions {
-            state_folder: state_folder.map(Path::to_owned),
-            ..JournalOptions::default()
-        };
-        self.engine.guard(path, stamp, options)
+        self.engine
+            .guard(path, stamp, journal_options(state_folder))
     }
 
     /// Makes edits again that were never saved: how many, and why no more.
@@ -89,7 +91,46 @@ impl Document {
             saved,
             changed: false,
             revision: 0,
+            unguarded: None,
+            trouble: None,
         }
+    }
+
+    /// An untitled project of a run that did not end well, and the edits that it lacks.
+    ///
+    /// # Errors
+    /// [`OpenError`].
+    pub(crate) fn abandoned(
+        found: &Abandoned,
+        state_folder: &Path,
+        options: EngineOptions,
+    ) -> Result<(Self, Guarded), OpenError> {
+        let (project, stamp) = project::open(&found.path)?;
+        let mut engine =
+            Engine::new(project, &found.folder, options).map_err(OpenError::Threads)?;
+        let guarded = engine.guard(&found.path, stamp, journal_options(Some(state_folder)));
+        Ok((Self::of(engine, None, None), guarded))
+    }
+
+    /// Keeps edits safe from the first one on, while the project has no file.
+    pub(crate) fn guard_untitled(&mut self, state_folder: Option<&Path>) {
+        self.unguarded = state_folder.map(Path::to_owned);
+    }
+
+    /// Before the first edit of a project without a file: its beginning goes to the state folder.
+    fn before_edit(&mut self) {
+        let Some(folder) = self.unguarded.take() else {
+            return;
+        };
+        let options = journal_options(Some(&folder));
+        if let Err(error) = self.engine.guard_untitled(&folder, options) {
+            self.trouble = Some(format!("edits are kept safe only by saving: {error}"));
+        }
+    }
+
+    /// Why edits are not kept safe; once.
+    pub(crate) fn take_trouble(&mut self) -> Option<String> {
+        self.trouble.take()
     }
 
     /// The engine.
@@ -136,6 +177,7 @@ impl Document {
     /// # Errors
     /// When it does not fit; nothing has changed then.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        self.before_edit();
         self.engine.apply(edit)?;
         self.note_change();
         Ok(())
@@ -143,6 +185,7 @@ impl Document {
 
     /// Starts a drag: all edits until [`Self::end_drag`] are one undo step.
     pub fn begin_drag(&mut self) {
+        self.before_edit();
         self.engine.begin_drag();
     }
 
@@ -212,6 +255,7 @@ impl Document {
         }
         self.stamp = Some(self.engine.save(&path, replace)?);
         self.path = Some(path);
+        self.unguarded = None;
         self.saved = self.engine.project().clone();
         self.changed = false;
         Ok(())
@@ -235,5 +279,12 @@ impl Document {
             || now.sun != saved.sun
             || now.quality != saved.quality
             || now.extra != saved.extra;
+    }
+}
+
+fn journal_options(state_folder: Option<&Path>) -> JournalOptions {
+    JournalOptions {
+        state_folder: state_folder.map(Path::to_owned),
+        ..JournalOptions::default()
     }
 }

@@ -2,13 +2,14 @@
 
 use eframe::egui::{self, Color32, Role, Ui, WidgetInfo};
 use egui_plot::{Bar, BarChart, Corner, Legend, Line, Plot, PlotPoints};
+use relievo_engine::analysis::Task;
 use relievo_engine::histogram::{BINS, Counts, Histogram};
 use relievo_engine::planet::Camera;
 use relievo_engine::project::LayerId;
-use relievo_engine::raster::Cancel;
 
 use super::latest::Latest;
 use super::studio::Studio;
+use super::waiting;
 
 /// What a histogram is of.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +33,7 @@ impl Studio {
         };
         let wanted = Wanted {
             layer: layer.clone(),
-            revision: self.document.revision() ^ (self.frame_revision << 32),
+            revision: self.state(),
             camera: *self.camera(),
             aspect: self.aspect,
         };
@@ -42,18 +43,19 @@ impl Studio {
             self.histograms.ask(wanted.clone(), || {
                 let questions = engine.questions();
                 let wanted = wanted.clone();
-                move |cancel: &Cancel| {
+                move |task: &Task| {
                     questions
-                        .histogram(&wanted.layer, &wanted.camera, wanted.aspect, cancel)
+                        .histogram(&wanted.layer, &wanted.camera, wanted.aspect, task)
                         .map_err(|e| e.to_string())
                 }
             });
         }
-        let current = self.histograms.answer(&wanted);
-        let stale = current.is_none();
+        waiting::show(ui, &mut self.histograms, "Counting");
         // While the next one is being counted the one before stays, unless it is another layer's.
-        let shown = current.or_else(|| self.histograms.last());
-        match shown {
+        let last = self.histograms.last();
+        let last = last.filter(|last| last.key.layer == layer);
+        let stale = last.as_ref().is_some_and(|last| last.key != wanted);
+        match last.map(|last| last.answer) {
             Some(Ok(Some(histogram))) => plot(ui, &histogram, stale),
             Some(Ok(None)) => {
                 ui.weak("Nothing of this layer is seen.");
@@ -61,9 +63,7 @@ impl Studio {
             Some(Err(reason)) => {
                 ui.colored_label(ui.visuals().error_fg_color, reason);
             }
-            None => {
-                ui.weak("Counting…");
-            }
+            None => {}
         }
     }
 }

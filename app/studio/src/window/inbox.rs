@@ -8,13 +8,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use eframe::egui;
-use relievo_engine::project::{FileStamp, Project, SourceRole, is_unchanged};
+use relievo_engine::OpenFeatures;
+use relievo_engine::project::{
+    self, Abandoned, ClassedBy, FileStamp, LayerId, Project, Recovery, SourceRole, abandoned,
+    is_unchanged,
+};
 use relievo_engine::raster::Bands;
 use relievo_engine::raster::open::{OpenOptions, open};
 use relievo_engine::relink::{self, Link};
 use relievo_engine::vector::is_vector;
 use relievo_gpu::Picture;
 
+use super::analysis::Export;
+use super::classes::{self, Recipe};
 use crate::picture;
 
 /// A dialog that ends sooner was never shown: no portal, no desktop.
@@ -56,6 +62,8 @@ pub(crate) enum Purpose {
     Picture,
     /// To link a layer to.
     Locate,
+    /// To write what was measured to.
+    Export(Export),
 }
 
 /// Something that happened on another thread.
@@ -83,6 +91,10 @@ pub(crate) enum Event {
     ProjectChanged(PathBuf),
     /// Which of the recent projects are not there.
     Missing(Vec<PathBuf>),
+    /// Untitled projects of runs that did not end well, with the number of edits of each.
+    Abandoned(Vec<(Abandoned, usize)>),
+    /// Classes of a vector layer were made, or one line that says why not.
+    Classified(LayerId, Result<ClassedBy, String>),
     /// A picture was saved.
     PictureSaved(Result<PathBuf, String>),
 }
@@ -118,7 +130,10 @@ impl Inbox {
         if let Some(start) = start {
             dialog = match (start.parent(), start.file_name()) {
                 (Some(folder), Some(name))
-                    if matches!(purpose, Purpose::Save | Purpose::Picture) =>
+                    if matches!(
+                        purpose,
+                        Purpose::Save | Purpose::Picture | Purpose::Export(_)
+                    ) =>
                 {
                     dialog
                         .set_directory(folder)
@@ -205,6 +220,26 @@ impl Inbox {
         });
     }
 
+    /// Looks for untitled projects of runs that did not end well.
+    pub(crate) fn look_for_abandoned(&self, state_folder: PathBuf) {
+        self.work("relievo-abandoned", move || {
+            let counted = |found: Abandoned| {
+                let (_, stamp) = project::open(&found.path).ok()?;
+                let recovery = Recovery::find(&found.path, stamp, Some(&state_folder)).ok()??;
+                Some((found, recovery.edits().len()))
+            };
+            let all = abandoned(&state_folder).into_iter();
+            Event::Abandoned(all.filter_map(counted).collect())
+        });
+    }
+
+    /// Makes classes of a vector layer's features.
+    pub(crate) fn classify(&self, id: LayerId, open: Arc<OpenFeatures>, recipe: Recipe) {
+        self.work("relievo-classes", move || {
+            Event::Classified(id, classes::make(&open.features, &recipe))
+        });
+    }
+
     /// Writes a picture.
     pub(crate) fn save_picture(&self, path: PathBuf, picture: Picture) {
         self.work("relievo-picture", move || {
@@ -241,6 +276,11 @@ async fn ask(purpose: Purpose, dialog: rfd::AsyncFileDialog) -> Vec<PathBuf> {
         Purpose::Picture => one(dialog
             .add_filter("PNG", &["png"])
             .set_title("Save picture")
+            .save_file()
+            .await),
+        Purpose::Export(export) => one(dialog
+            .add_filter(export.extension(), &[export.extension()])
+            .set_title(export.title())
             .save_file()
             .await),
         Purpose::Locate => one(dialog

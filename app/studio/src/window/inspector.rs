@@ -102,7 +102,14 @@ impl Inspector {
                         section(ui, "Lines", |ui| relief::contours(ui, id, l, actions));
                     }
                     LayerKind::Vector(l) => {
-                        section(ui, "Style", |ui| vector::show(ui, id, &l.style, actions));
+                        let state = engine.sources().state(&layer.kind, engine.folder());
+                        let features = match &state {
+                            Some(SourceState::Features(open)) => Some(&*open.features),
+                            _ => None,
+                        };
+                        section(ui, "Style", |ui| {
+                            vector::show(ui, id, &l.style, features, actions);
+                        });
                     }
                     LayerKind::Unknown { kind } => {
                         ui.weak(format!(

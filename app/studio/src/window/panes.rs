@@ -44,6 +44,14 @@ pub enum Pane {
     Histogram,
     /// Heights along a line.
     Profile,
+    /// Volumes and areas between two scenarios.
+    Volumes,
+    /// What is seen from a place.
+    Viewshed,
+    /// Still water at a level.
+    Flood,
+    /// Contours to be written to a file.
+    Contours,
     /// The nodes that make the picture.
     Graph,
     /// What the program is doing.
@@ -52,7 +60,7 @@ pub enum Pane {
 
 impl Pane {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 18] = [
         Self::View,
         Self::Layers,
         Self::Elements,
@@ -65,6 +73,10 @@ impl Pane {
         Self::Place,
         Self::Histogram,
         Self::Profile,
+        Self::Volumes,
+        Self::Viewshed,
+        Self::Flood,
+        Self::Contours,
         Self::Graph,
         Self::Statistics,
     ];
@@ -84,6 +96,10 @@ impl Pane {
             Self::Place => "Place",
             Self::Histogram => "Histogram",
             Self::Profile => "Profile",
+            Self::Volumes => "Volumes",
+            Self::Viewshed => "Viewshed",
+            Self::Flood => "Flood",
+            Self::Contours => "Contours",
             Self::Graph => "Graph",
             Self::Statistics => "Statistics",
         }
@@ -95,11 +111,17 @@ impl Pane {
             Self::View => Home::Middle,
             Self::Layers => Home::Left,
             Self::Elements | Self::Scenarios | Self::Bookmarks => Home::LowerLeft,
-            Self::Inspector | Self::Scene | Self::History => Home::Right,
+            Self::Inspector
+            | Self::Scene
+            | Self::History
+            | Self::Viewshed
+            | Self::Flood
+            | Self::Contours => Home::Right,
             Self::Messages
             | Self::Place
             | Self::Histogram
             | Self::Profile
+            | Self::Volumes
             | Self::Graph
             | Self::Statistics => Home::Below,
         }
@@ -107,7 +129,7 @@ impl Pane {
 
     /// Whether it is shown at first.
     fn is_open_at_first(self) -> bool {
-        self.home() != Home::Below
+        !matches!(self, Self::Viewshed | Self::Flood | Self::Contours) && self.home() != Home::Below
     }
 }
 

@@ -10,13 +10,13 @@ use eframe::egui::{Color32, Role, Ui, WidgetInfo};
 use egui_plot::{Line, Plot, PlotPoints, Points, VLine};
 use relievo_engine::analysis::Task;
 use relievo_engine::planet::MapPoint;
-use relievo_engine::raster::Cancel;
 use relievo_engine::{Profile, ProfileSettings};
 
 use super::latest::Latest;
 use super::status::length;
 use super::studio::Studio;
 use super::tools::view;
+use super::waiting;
 
 /// Points of a profile at most: more than any screen has pixels.
 const MOST_POINTS: usize = 20_000;
@@ -45,19 +45,18 @@ impl Studio {
         }
         let wanted = Wanted {
             line,
-            revision: self.document.revision() ^ (self.frame_revision << 32),
+            revision: self.state(),
         };
         if !ui.input(|i| i.pointer.any_down()) && self.status.opening == 0 {
             let engine = self.document.engine();
             self.profiles.ask(wanted.clone(), || {
                 let (questions, wanted) = (engine.questions(), wanted.clone());
-                move |cancel: &Cancel| {
+                move |task: &Task| {
                     let settings = ProfileSettings {
                         max_points: MOST_POINTS,
                         ..ProfileSettings::default()
                     };
-                    let task = Task::quiet(cancel);
-                    let exact = questions.profile(&wanted.line, &settings, &task);
+                    let exact = questions.profile(&wanted.line, &settings, task);
                     let profile = exact.or_else(|_too_many| {
                         let way_m = questions.measure().length_m(&wanted.line);
                         let spacing_m = Some(way_m / (MOST_POINTS / 4) as f64);
@@ -65,24 +64,19 @@ impl Studio {
                             spacing_m,
                             ..settings
                         };
-                        questions.profile(&wanted.line, &settings, &task)
+                        questions.profile(&wanted.line, &settings, task)
                     });
                     profile.map(Arc::new).map_err(|e| e.to_string())
                 }
             });
         }
-        match self
-            .profiles
-            .answer(&wanted)
-            .or_else(|| self.profiles.last())
-        {
+        waiting::show(ui, &mut self.profiles, "The profile");
+        match self.profiles.last().map(|last| last.answer) {
             Some(Ok(profile)) => self.plot(ui, &profile),
             Some(Err(reason)) => {
                 ui.colored_label(ui.visuals().error_fg_color, reason);
             }
-            None => {
-                ui.weak("Measuring…");
-            }
+            None => {}
         }
     }
 

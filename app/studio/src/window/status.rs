@@ -148,6 +148,16 @@ pub(crate) fn length(metres: f64) -> String {
     }
 }
 
+/// An area for people: square metres below a hectare, square kilometres above a hundred of them.
+pub(crate) fn area(square_m: f64) -> String {
+    match square_m {
+        a if a < 1e4 => format!("{a:.1} m²"),
+        a if a < 1e6 => format!("{:.2} ha", a / 1e4),
+        a if a < 1e9 => format!("{:.2} km²", a / 1e6),
+        a => format!("{:.0} km²", a / 1e6),
+    }
+}
+
 /// Latitude and longitude for people.
 pub(crate) fn coordinates(lon_deg: f64, lat_deg: f64, notation: Notation) -> String {
     let north = if lat_deg < 0.0 { "S" } else { "N" };
@@ -191,6 +201,14 @@ mod tests {
     fn seconds_are_rounded_up_to_whole_minutes_and_degrees() {
         assert_eq!(sexagesimal(9.999_999_9), "10°00′00.0″");
         assert_eq!(sexagesimal(0.016_666_6), "0°01′00.0″");
+    }
+
+    #[test]
+    fn areas_take_the_unit_that_reads_best() {
+        assert_eq!(area(12.34), "12.3 m²");
+        assert_eq!(area(25_000.0), "2.50 ha");
+        assert_eq!(area(3_456_000.0), "3.46 km²");
+        assert_eq!(area(5.1e14), "510000000 km²");
     }
 
     #[test]

@@ -20,10 +20,11 @@ use std::time::Duration;
 use eframe::egui::Ui;
 use eframe::egui_wgpu::RenderState;
 use relievo_engine::planet::{Camera, MapPoint};
-use relievo_engine::project::{ElementId, FileStamp, LayerId, Recovery};
+use relievo_engine::project::{Abandoned, ElementId, FileStamp, LayerId, Recovery};
 use relievo_engine::raster::Cancel;
 use relievo_engine::{DEFAULT_DISK_CACHE_BYTES, EngineOptions, default_cache_folder};
 
+use super::analysis::Analyses;
 use super::bookmarks::Bookmarks;
 use super::compare::Compare;
 use super::dialogs::{Dialog, Then};
@@ -61,6 +62,8 @@ pub struct StudioOptions {
     pub disk_cache: u64,
     /// Where the list of recent projects is kept; `None`: nowhere.
     pub state_folder: Option<PathBuf>,
+    /// Whether files are chosen in the system's dialogs; otherwise their paths are typed.
+    pub file_dialogs: bool,
 }
 
 impl Default for StudioOptions {
@@ -71,6 +74,7 @@ impl Default for StudioOptions {
             cache_folder: default_cache_folder(),
             disk_cache: DEFAULT_DISK_CACHE_BYTES,
             state_folder: recent::default_state_folder(),
+            file_dialogs: true,
         }
     }
 }
@@ -110,6 +114,7 @@ pub struct Studio {
     pub(super) histograms: Histograms,
     graph: GraphView,
     pub(super) profiles: Profiles,
+    pub(super) analyses: Analyses,
     /// A place that another pane points at.
     pub(super) marked: Option<MapPoint>,
     /// Width over height of the view.
@@ -124,7 +129,6 @@ pub struct Studio {
     pub(super) pace: Pace,
     /// The camera of the picture that is shown.
     pub(super) drawn_camera: Option<Camera>,
-    pub(super) frame_revision: u64,
     /// The layer whose file is being located.
     pub(super) locating: Option<LayerId>,
     pub(super) recent: Recent,
@@ -136,6 +140,8 @@ pub struct Studio {
     pub(super) closing: bool,
     /// Edits of a run that did not end well, until somebody says what becomes of them.
     offer: Option<Recovery>,
+    /// Untitled projects that are offered, with the number of edits of each.
+    abandoned: Vec<(Abandoned, usize)>,
     /// The state of the file about whose change the user was asked.
     told_changed: Option<FileStamp>,
     restart: bool,
@@ -155,7 +161,8 @@ impl Studio {
     /// When the system refuses threads.
     pub fn new(options: StudioOptions) -> std::io::Result<Self> {
         let waker = Waker::default();
-        let document = Document::empty(engine_options(&options, &waker))?;
+        let mut document = Document::empty(engine_options(&options, &waker))?;
+        document.guard_untitled(options.state_folder.as_deref());
         let (settings, layout) = Settings::load(options.state_folder.as_deref());
         Ok(Self {
             navigation: Navigation::new(document.project().camera.to_camera()),
@@ -177,6 +184,7 @@ impl Studio {
             histograms: Histograms::new("relievo-histogram", waker.clone())?,
             graph: GraphView::default(),
             profiles: Profiles::new("relievo-profile", waker.clone())?,
+            analyses: Analyses::new(&waker)?,
             marked: None,
             aspect: 1.0,
             dialog: None,
@@ -188,13 +196,13 @@ impl Studio {
             dragging: Dragging::No,
             pace: Pace::default(),
             drawn_camera: None,
-            frame_revision: 0,
             locating: None,
             recent: Recent::load(options.state_folder.as_deref()),
             samples: start::samples(),
             after_save: None,
             closing: false,
             offer: None,
+            abandoned: Vec::new(),
             told_changed: None,
             restart: false,
             refit: false,
@@ -219,6 +227,11 @@ impl Studio {
     /// What wakes this window.
     pub(super) fn waker(&self) -> Waker {
         self.waker.clone()
+    }
+
+    /// How coordinates are written.
+    pub(super) fn notation(&self) -> Notation {
+        self.notation
     }
 
     /// The viewer.

@@ -35,17 +35,25 @@ pub enum Tool {
     Select,
     /// Draws an area.
     Polygon,
+    /// Draws a hole into the selected polygon.
+    Hole,
+    /// Draws a line that the selected polygon's surface follows.
+    Breakline,
     /// Draws a line with a width.
     Corridor,
     /// Changes heights by hand.
     Brush,
     /// Measures lengths and areas.
     Measure,
+    /// Places somebody who looks around.
+    Observer,
+    /// Chooses where still water stands.
+    Water,
 }
 
 impl Tool {
-    /// All of them, in the order of the bar.
-    pub const ALL: [Self; 5] = [
+    /// Those that are always in the bar, in its order.
+    pub const BAR: [Self; 5] = [
         Self::Select,
         Self::Polygon,
         Self::Corridor,
@@ -58,10 +66,19 @@ impl Tool {
         match self {
             Self::Select => "Select",
             Self::Polygon => "Polygon",
+            Self::Hole => "Hole",
+            Self::Breakline => "Breakline",
             Self::Corridor => "Corridor",
             Self::Brush => "Brush",
             Self::Measure => "Measure",
+            Self::Observer => "Observer",
+            Self::Water => "Flood",
         }
+    }
+
+    /// Whether it draws something that closes upon itself.
+    pub(crate) fn is_ring(self) -> bool {
+        matches!(self, Self::Polygon | Self::Hole)
     }
 
     /// What to do with it.
@@ -73,6 +90,12 @@ impl Tool {
             Self::Polygon => {
                 "Click vertices. Enter or a double click closes, Backspace removes the last, Esc cancels"
             }
+            Self::Hole => {
+                "Click the hole's vertices inside the selected polygon. Enter or a double click closes, Backspace removes the last, Esc cancels"
+            }
+            Self::Breakline => {
+                "Click along the line that the surface follows; type its heights in the inspector. Enter or a double click ends, Backspace removes the last, Esc cancels"
+            }
             Self::Corridor => {
                 "Click along the axis. Enter or a double click ends, Backspace removes the last, Esc cancels"
             }
@@ -80,6 +103,8 @@ impl Tool {
             Self::Measure => {
                 "Click along the way. Backspace removes the last, Enter begins anew, Esc ends"
             }
+            Self::Observer => "Click where somebody stands to see what is in sight. Esc ends",
+            Self::Water => "Click where still water shall stand. Esc ends",
         }
     }
 }

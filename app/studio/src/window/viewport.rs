@@ -7,9 +7,9 @@ use eframe::egui::{
     Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use glam::{DVec2, DVec3};
+use relievo_engine::analysis::Task;
 use relievo_engine::planet::MapPoint;
 use relievo_engine::planet::camera::FlyInput;
-use relievo_engine::raster::Cancel;
 use relievo_engine::{Frame, View};
 use relievo_gpu::{AdapterClass, RenderError};
 
@@ -56,6 +56,7 @@ impl Studio {
         self.draw(ui, &parts, dt_s);
         self.draw_other(ui, &parts, dt_s);
         self.paint_tools(ui, parts.own);
+        self.analysis_overlay(ui, parts.own);
         self.compare_overlay(ui, rect, &parts);
         self.point(ui, active, &response);
         self.compass(ui, rect);
@@ -91,8 +92,12 @@ impl Studio {
                 }
                 taken
             }
-            Tool::Polygon | Tool::Corridor | Tool::Measure => {
+            Tool::Polygon | Tool::Hole | Tool::Breakline | Tool::Corridor | Tool::Measure => {
                 self.draw_draft(ui, rect, response, actions);
+                false
+            }
+            Tool::Observer | Tool::Water => {
+                self.place_question(ui, rect, response);
                 false
             }
             Tool::Brush => self.paint_stroke(ui, rect, response, actions),
@@ -191,7 +196,6 @@ impl Studio {
             return;
         };
         self.status.pending = frame.pending;
-        self.frame_revision = frame.revision;
         if let Some(stage) = &mut self.stage {
             match stage.draw(&frame, self.pace.rests()) {
                 Ok(()) => {}
@@ -263,7 +267,7 @@ impl Studio {
         // A rounded place: what is asked for stays the same while nothing moves.
         let spot = Spot {
             point,
-            revision: self.document.revision() ^ (self.frame_revision << 32),
+            revision: self.state(),
         };
         let rests = ui.input(|i| i.pointer.time_since_last_movement()) >= REST_S
             && !self.navigation.is_moving();
@@ -271,7 +275,7 @@ impl Studio {
             let engine = self.document.engine();
             self.probe.ask(spot, || {
                 let questions = engine.questions();
-                move |cancel: &Cancel| questions.place(point, cancel).ok()
+                move |task: &Task| questions.place(point, task.cancel).ok()
             });
         } else if !rests {
             ui.ctx()

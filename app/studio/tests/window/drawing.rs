@@ -1,24 +1,13 @@
 //! Planning elements drawn on the terrain, and what belongs to them: bookmarks, scenarios.
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, vec2};
+use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use relievo_engine::project::{Element, ElementKind, SurfaceKind, Vertex};
 
-use crate::shared::Window;
-
-/// A view from 20 km straight down on ground at the datum.
-const PLAIN: &str = r#"{"version": 1,
-    "camera": {"lon_deg": 10.0, "lat_deg": 45.0, "altitude_m": 20000.0},
-    "layers": [{"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 1.0, "wavelength_m": 500000.0, "octaves": 3}]}"#;
+use crate::shared::{PLAIN, Window};
 
 impl Window {
-    /// A point of the view, in shares of its height from its middle.
-    fn at(&self, x: f32, y: f32) -> Pos2 {
-        let view = self.view();
-        view.center() + vec2(x, y) * view.height()
-    }
-
     /// Draws a triangle around the middle and closes it.
     fn draw_triangle(&mut self) {
         self.press(Modifiers::NONE, Key::P);
@@ -428,4 +417,66 @@ fn the_profile_follows_what_is_measured() {
     });
     window.harness.get_by_label_contains(" on the ground, ");
     window.click("Copy as CSV");
+}
+
+#[test]
+fn a_hole_and_a_breakline_are_drawn_into_the_selected_polygon_edited_and_undone() {
+    let mut window = Window::open(PLAIN);
+    // Without a polygon there is nothing to draw a hole into.
+    window.press(Modifiers::NONE, Key::H);
+    let at = window.at(0.0, 0.0);
+    window.click_at(at);
+    window.draw_triangle();
+    let whole = window.elements()[0].clone();
+    window.press(Modifiers::NONE, Key::H);
+    for (x, y) in [(-0.05, 0.05), (0.05, 0.05), (0.06, 0.06), (0.0, -0.03)] {
+        let at = window.at(x, y);
+        window.click_at(at);
+        if (x, y) == (0.06, 0.06) {
+            window.press(Modifiers::NONE, Key::Backspace);
+        }
+    }
+    window.press(Modifiers::NONE, Key::Enter);
+    let holes = |w: &Window| match &w.elements()[0].kind {
+        ElementKind::Polygon(polygon) => polygon.holes.clone(),
+        _ => panic!("expected a polygon"),
+    };
+    assert_eq!(holes(&window).len(), 1);
+    assert_eq!(holes(&window)[0].as_slice().len(), 3);
+    // Its vertices are dragged like any, as one step.
+    let drawn = holes(&window);
+    let (from, to) = (window.at(0.0, -0.03), window.at(0.02, -0.06));
+    window.drag(from, to);
+    assert!(holes(&window) != drawn);
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(holes(&window), drawn);
+    // Breaklines are for surfaces through vertices.
+    window.press(Modifiers::NONE, Key::K);
+    let beside = window.at(-0.1, 0.08);
+    window.click_at(beside);
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.elements()[0].vertex_lists().len(), 2);
+    let at = window.at(0.0, -0.1);
+    window.click_at(at);
+    window
+        .harness
+        .get_by_role_and_label(Role::ComboBox, "Surface")
+        .click();
+    window.steps();
+    window.harness.get_by_label("Through vertices").click();
+    window.steps();
+    window.press(Modifiers::NONE, Key::K);
+    for (x, y) in [(-0.1, 0.08), (0.1, 0.08)] {
+        let at = window.at(x, y);
+        window.click_at(at);
+    }
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.elements()[0].vertex_lists()[2].as_slice().len(), 2);
+    // A vertex that cannot be spared takes its line with it, then its hole.
+    window.press(Modifiers::NONE, Key::Delete);
+    assert_eq!(window.elements()[0].vertex_lists().len(), 2);
+    for _ in 0..4 {
+        window.press(Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(*window.elements()[0], whole);
 }

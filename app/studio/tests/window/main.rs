@@ -2,8 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod analysis;
 mod basics;
 mod drawing;
+mod keeping;
 mod panes;
 mod shared;
 mod tutorial;
+mod vectors;

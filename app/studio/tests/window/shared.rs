@@ -15,6 +15,11 @@ pub(crate) const PROJECT: &str = r##"{"version": 1, "layers": [
     {"id": "low", "name": "Low tint", "kind": "tint", "stops": [{"height_m": 0.0, "colour": "#102030"}]},
     {"id": "high", "name": "High tint", "kind": "tint", "stops": [{"height_m": 0.0, "colour": "#f0e0d0"}]}]}"##;
 
+/// A view from 20 km straight down on ground at the datum.
+pub(crate) const PLAIN: &str = r#"{"version": 1,
+    "camera": {"lon_deg": 10.0, "lat_deg": 45.0, "altitude_m": 20000.0},
+    "layers": [{"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 1.0, "wavelength_m": 500000.0, "octaves": 3}]}"#;
+
 /// A window on a project in a folder of its own.
 pub(crate) struct Window {
     pub(crate) harness: Harness<'static, Studio>,
@@ -38,13 +43,23 @@ impl Window {
 
     /// The next run on the same file.
     pub(crate) fn again(self) -> Self {
+        self.restarted(true)
+    }
+
+    /// The program ended without warning and is started again; `open`: on the file.
+    pub(crate) fn restarted(self, open: bool) -> Self {
         let Self {
             harness,
             file,
             folder,
         } = self;
         drop(harness);
-        Self::start(folder, file, true)
+        Self::start(folder, file, open)
+    }
+
+    /// The window is closed in order.
+    pub(crate) fn end(&mut self) {
+        self.harness.state_mut().finish();
     }
 
     /// A window with a list of recent projects in the folder; `open`: on the file.
@@ -64,6 +79,7 @@ impl Window {
             cache_folder: None,
             disk_cache: 0,
             state_folder: Some(folder.path().join("state")),
+            file_dialogs: false,
         })
         .unwrap();
         if open {
@@ -175,5 +191,29 @@ impl Window {
         }
         self.harness.drop_at(to);
         self.steps();
+    }
+
+    /// A point of the view, in shares of its height from its middle.
+    pub(crate) fn at(&self, x: f32, y: f32) -> Pos2 {
+        let view = self.view();
+        view.center() + vec2(x, y) * view.height()
+    }
+
+    /// Answers the question for a path, where there is no file dialog.
+    pub(crate) fn type_path(&mut self, path: &std::path::Path) {
+        self.until("the question for a path", |w| {
+            w.harness
+                .query_by_role_and_label(Role::TextInput, "Path")
+                .is_some()
+        });
+        self.harness
+            .get_by_role_and_label(Role::TextInput, "Path")
+            .focus();
+        self.steps();
+        self.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.harness
+            .get_by_role_and_label(Role::TextInput, "Path")
+            .type_text(path.to_str().unwrap());
+        self.press(Modifiers::NONE, Key::Enter);
     }
 }

@@ -35,6 +35,8 @@ pub(super) struct Keeper {
     journal: Option<Journal>,
     /// Why there is no journal.
     problem: Option<String>,
+    /// The journal of an offer that nobody has answered; it is offered again next time.
+    undecided: Option<PathBuf>,
     /// `None` where the folder is read-only.
     _lock: Option<ProjectLock>,
 }
@@ -55,6 +57,7 @@ impl Keeper {
             options,
             journal: None,
             problem: None,
+            undecided: None,
             _lock: lock,
         })
     }
@@ -73,6 +76,11 @@ impl Keeper {
     fn forget(self) {
         if let Some(journal) = self.journal {
             journal.discard();
+        }
+        if let Some(offered) = &self.undecided
+            && let Err(error) = Recovery::put_back(offered)
+        {
+            tracing::warn!("edits of an earlier run stay aside: {error}: {offered:?}");
         }
         let state_folder = self.options.state_folder.as_deref();
         if state_folder.is_some_and(|folder| is_untitled(&self.path, folder)) {
@@ -112,10 +120,15 @@ impl Engine {
         self.keeper = Some(keeper);
         Recovery::tidy(path, stamp, state_folder.as_deref());
         match Recovery::find(path, stamp, state_folder.as_deref()) {
-            Ok(offer) => Guarded {
-                offer,
-                ..Guarded::default()
-            },
+            Ok(offer) => {
+                if let (Some(offer), Some(keeper)) = (&offer, &mut self.keeper) {
+                    keeper.undecided = Some(offer.file().to_owned());
+                }
+                Guarded {
+                    offer,
+                    ..Guarded::default()
+                }
+            }
             Err(error) => Guarded {
                 unreadable: Some(error),
                 ..Guarded::default()
@@ -158,6 +171,7 @@ impl Engine {
         let Some(keeper) = &mut self.keeper else {
             return (count, problem);
         };
+        keeper.undecided = None;
         if problem.is_none() && recovery.fits() {
             match Journal::resume(recovery, keeper.options.clone()) {
                 Ok(journal) => keeper.journal = Some(journal),
@@ -177,6 +191,9 @@ impl Engine {
     /// # Errors
     /// Where its file cannot be removed.
     pub fn decline(&mut self, recovery: Recovery) -> std::io::Result<()> {
+        if let Some(keeper) = &mut self.keeper {
+            keeper.undecided = None;
+        }
         recovery.discard()
     }
 

@@ -7,7 +7,7 @@ use std::time::SystemTime;
 
 use serde_json::Value;
 
-use super::{MAGIC, RECORD_HEAD_BYTES, beside, checksum, in_state_folder};
+use super::{MAGIC, RECORD_HEAD_BYTES, aside, beside, checksum, in_state_folder};
 use crate::{Edit, EditError, FileStamp, Project};
 
 /// Why a journal cannot be read at all.
@@ -185,6 +185,18 @@ impl Recovery {
             }
         }
         (self.edits.len(), None)
+    }
+
+    /// Puts a journal that made room for another back in its place, unless something is there.
+    ///
+    /// # Errors
+    /// Where the file cannot be moved.
+    pub fn put_back(file: &Path) -> io::Result<()> {
+        let aside = aside(file);
+        if file.exists() || !aside.exists() {
+            return Ok(());
+        }
+        fs::rename(aside, file)
     }
 
     /// Removes the journal: its edits are not wanted.

@@ -8,7 +8,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::{Entry, JournalOptions, MAGIC, Mailbox, Recovery, beside, checksum, in_state_folder};
+use super::{
+    Entry, JournalOptions, MAGIC, Mailbox, Recovery, aside, beside, checksum, in_state_folder,
+};
 use crate::FileStamp;
 
 pub(super) struct Writer {
@@ -157,9 +159,7 @@ impl Writer {
                 drop(fs::remove_file(path));
             }
             if path.exists() {
-                let mut old = path.as_os_str().to_owned();
-                old.push(".old");
-                fs::rename(path, old)?;
+                fs::rename(path, aside(path))?;
             }
             let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
             file.write_all(start)?;

@@ -4,6 +4,7 @@
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2,
 };
+use relievo_engine::analysis::Task;
 use relievo_engine::planet::Camera;
 use relievo_engine::raster::Cancel;
 use relievo_engine::{HeightDifference, Questions};
@@ -42,7 +43,7 @@ impl Differences {
         let key = wanted.clone();
         self.latest.ask(key.clone(), || {
             let (own, other) = both();
-            move |cancel: &Cancel| most_m(&own, &other, &key, cancel)
+            move |task: &Task| most_m(&own, &other, &key, task.cancel)
         });
     }
 

@@ -1,10 +1,13 @@
 //! How the features of a vector layer are drawn.
 
+mod classes;
+
 use eframe::egui::{self, TextEdit, Ui, WidgetInfo};
 use relievo_engine::project::{
     Casing, Edit, Extra, Extrude, Hatch, Label, LayerId, PointSymbol, Symbol, VectorStyle, Width,
     WidthUnit,
 };
+use relievo_engine::vector::Features;
 
 use crate::window::action::Action;
 use crate::window::controls::{self, Number};
@@ -77,7 +80,15 @@ const SYMBOLS: [(Option<Symbol>, &str); 7] = [
 ];
 
 /// Draws it.
-pub(crate) fn show(ui: &mut Ui, id: &LayerId, style: &VectorStyle, actions: &mut Vec<Action>) {
+///
+/// `features`: those of the file, once it is open.
+pub(crate) fn show(
+    ui: &mut Ui,
+    id: &LayerId,
+    style: &VectorStyle,
+    features: Option<&Features>,
+    actions: &mut Vec<Action>,
+) {
     let set = |change: &dyn Fn(&mut VectorStyle)| {
         let mut style = style.clone();
         change(&mut style);
@@ -135,6 +146,7 @@ pub(crate) fn show(ui: &mut Ui, id: &LayerId, style: &VectorStyle, actions: &mut
             })
         });
     }
+    classes::show(ui, id, style, features, &set, actions);
     hatch(ui, style, &set, actions);
     symbol(ui, style, &set, actions);
     bodies(ui, style, &set, actions);

@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui;
 
 use super::Studio;
-use crate::window::dialogs::{Answer, Dialog, Then};
+use crate::window::dialogs::{Answer, Then};
 use crate::window::inbox::{Event, Purpose};
 use crate::window::messages::Weight;
 use crate::window::panes::Pane;
@@ -21,8 +21,7 @@ impl Studio {
                     seen,
                 } => {
                     if paths.is_empty() && !seen {
-                        let start = self.document.engine().folder().join("");
-                        self.dialog = Some(Dialog::Path(purpose, start.display().to_string()));
+                        self.ask_path(purpose, None);
                     } else if paths.is_empty() {
                         (self.after_save, self.locating) = (None, None);
                     }
@@ -32,6 +31,8 @@ impl Studio {
                 Event::Located { link, beside } => self.located(link, beside),
                 Event::ProjectChanged(path) => self.file_changed(&path),
                 Event::Missing(projects) => self.recent.set_missing(projects),
+                Event::Classified(id, made) => self.classified(id, made),
+                Event::Abandoned(found) => self.offer_abandoned(found),
                 Event::PictureSaved(Ok(path)) => {
                     self.log.add(
                         Weight::News,
@@ -49,7 +50,11 @@ impl Studio {
     /// Takes the answer to a dialog.
     pub(super) fn take_answer(&mut self, answer: Answer, ctx: &egui::Context) {
         match answer {
-            Answer::Cancel => (self.after_save, self.locating) = (None, None),
+            Answer::Cancel => {
+                (self.after_save, self.locating) = (None, None);
+                // What was offered stays where it is and is offered again next time.
+                self.abandoned.clear();
+            }
             Answer::Save(then) => {
                 self.after_save = Some(then);
                 self.save(None, false, ctx);

@@ -61,6 +61,8 @@ impl Studio {
                 self.selected = Some(id);
                 self.run(Command::Locate, ctx);
             }
+            Action::Classify(id, recipe) => self.classify(id, recipe),
+            Action::Export(export) => self.pick(Purpose::Export(export)),
             Action::Hide(pane) => self.layout.hide(pane),
             Action::Run(command) => self.run(command, ctx),
             Action::Open(path) => self.unless_changed(Then::Open(path), ctx),
@@ -125,8 +127,16 @@ impl Studio {
             Command::ResetPanes => self.layout.reset(),
             Command::Use(tool) => {
                 self.tools.choose(tool);
-                if tool != Tool::Select && !self.layout.is_open(Pane::Elements) {
-                    self.layout.open(Pane::Elements);
+                match tool {
+                    Tool::Select => {}
+                    Tool::Observer => self.layout.open(Pane::Viewshed),
+                    Tool::Water => self.layout.open(Pane::Flood),
+                    Tool::Hole | Tool::Breakline => self.layout.open(Pane::Inspector),
+                    Tool::Polygon | Tool::Corridor | Tool::Brush | Tool::Measure => {
+                        if !self.layout.is_open(Pane::Elements) {
+                            self.layout.open(Pane::Elements);
+                        }
+                    }
                 }
             }
             Command::Compare(mode) => {
@@ -134,6 +144,15 @@ impl Studio {
                 self.compare_with(other, mode);
             }
             Command::StopComparing => self.stop_comparing(),
+            Command::Volumes => {
+                self.measure_volumes();
+                self.layout.open(Pane::Volumes);
+            }
+            Command::Contours => {
+                self.contour_view();
+                self.layout.open(Pane::Contours);
+            }
+            Command::ClearResults => self.analyses.clear(),
             Command::AddBookmark => self.add_bookmark(),
             Command::Palette => self.palette = Some(Palette::opened(ctx)),
             Command::FollowSystem => self.set_theme(ThemePreference::System, ctx),

@@ -20,6 +20,7 @@ impl Studio {
         self.compare = None;
         self.set_stage(cc.wgpu_render_state.as_ref());
         self.look_for_recent();
+        self.look_for_abandoned();
     }
 
     pub(super) fn set_stage(&mut self, state: Option<&eframe::egui_wgpu::RenderState>) {

@@ -69,11 +69,15 @@ impl Studio {
             Pane::History => history::show(ui, engine, actions),
             Pane::Messages => messages::show(ui, engine, &mut self.log, actions),
             Pane::Place => {
-                let answer = self.probe.last().flatten();
+                let answer = self.probe.last().and_then(|last| last.answer);
                 place::show(ui, engine.project(), self.notation, answer.as_ref());
             }
             Pane::Histogram => self.histogram_pane(ui),
             Pane::Profile => self.profile_pane(ui),
+            Pane::Volumes => self.volumes_pane(ui, actions),
+            Pane::Viewshed => self.viewshed_pane(ui, actions),
+            Pane::Flood => self.flood_pane(ui, actions),
+            Pane::Contours => self.contours_pane(ui, actions),
             Pane::Graph => self.graph.show(ui, engine),
             Pane::Statistics => {
                 let frame = self.stage.as_ref().and_then(|s| s.stats());

@@ -14,7 +14,7 @@ use crate::window::messages::Weight;
 use crate::window::panes::Pane;
 
 impl Studio {
-    pub(super) fn pick(&mut self, purpose: Purpose) {
+    pub(in crate::window) fn pick(&mut self, purpose: Purpose) {
         let own = self.document.path().map(Path::to_owned);
         let folder = self.document.engine().folder().to_owned();
         let named =
@@ -22,10 +22,22 @@ impl Studio {
         let start = match purpose {
             Purpose::Save => own.or_else(|| named("relievo")),
             Purpose::Picture => named("png"),
+            Purpose::Export(export) => named(export.extension()),
             Purpose::Open | Purpose::Add => own.or_else(|| Some(folder.join("file"))),
             Purpose::Locate => self.located_beside().or(own),
         };
-        self.inbox.pick(purpose, start);
+        if self.options.file_dialogs {
+            self.inbox.pick(purpose, start);
+        } else {
+            self.ask_path(purpose, start);
+        }
+    }
+
+    /// Asks for a path to be typed.
+    pub(super) fn ask_path(&mut self, purpose: Purpose, start: Option<PathBuf>) {
+        let folder = || self.document.engine().folder().join("");
+        let start = start.unwrap_or_else(folder);
+        self.dialog = Some(Dialog::Path(purpose, start.display().to_string()));
     }
 
     /// Where the file of the layer that is being located was, if its folder is still there.
@@ -152,6 +164,9 @@ impl Studio {
                 if let Some(layer) = self.locating.take() {
                     self.locate(layer, &first);
                 }
+            }
+            Purpose::Export(export) => {
+                self.export(export, with_extension(first, export.extension()));
             }
             Purpose::Picture => match self
                 .stage

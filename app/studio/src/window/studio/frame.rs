@@ -44,6 +44,7 @@ impl Studio {
             pressed.retain(|c| self.is_possible(*c));
             actions.extend(pressed.into_iter().map(Action::Run));
         }
+        self.mind_analyses(ui);
         self.panels(ui, &mut actions);
         self.show_palette(&ctx, &mut actions);
         self.answer_dialog(&ctx);
@@ -54,6 +55,7 @@ impl Studio {
             self.carry_out(action, &ctx);
         }
         self.mind_drag(&ctx);
+        self.mind_trouble();
         self.show_title(&ctx);
         // While something is being dragged it changes with every frame.
         if !ctx.input(|i| i.pointer.any_down()) && self.layout.take_changed() {

@@ -2,9 +2,11 @@
 
 use eframe::egui;
 use relievo_engine::Guarded;
+use relievo_engine::project::{Abandoned, forget_untitled};
 
 use super::Studio;
 use crate::window::dialogs::Dialog;
+use crate::window::document::Document;
 use crate::window::messages::Weight;
 use crate::window::panes::Pane;
 
@@ -34,9 +36,65 @@ impl Studio {
         self.offer = offer;
     }
 
+    /// Looks for untitled projects of runs that did not end well.
+    pub(in crate::window) fn look_for_abandoned(&self) {
+        if let Some(folder) = &self.options.state_folder {
+            self.inbox.look_for_abandoned(folder.clone());
+        }
+    }
+
+    /// Offers untitled projects again, one after the other, while nothing else is open.
+    pub(super) fn offer_abandoned(&mut self, found: Vec<(Abandoned, usize)>) {
+        self.abandoned = found;
+        let Some((_, edits)) = self.abandoned.first() else {
+            return;
+        };
+        if self.is_blank() && self.dialog.is_none() {
+            self.dialog = Some(Dialog::Recover {
+                edits: *edits,
+                fits: true,
+            });
+        } else {
+            let text = "Unsaved work on an untitled project is kept; start with an empty project to get it back";
+            self.log.add(Weight::News, text);
+            self.abandoned.clear();
+        }
+    }
+
+    /// Opens the untitled project that was offered, or throws it away and offers the next.
+    fn answer_abandoned(&mut self, wanted: bool) {
+        if self.abandoned.is_empty() {
+            return;
+        }
+        let (found, _) = self.abandoned.remove(0);
+        if !wanted {
+            forget_untitled(&found.path);
+            let rest = std::mem::take(&mut self.abandoned);
+            self.offer_abandoned(rest);
+            return;
+        }
+        let folder = self.options.state_folder.clone().unwrap_or_default();
+        match Document::abandoned(&found, &folder, self.engine_options()) {
+            Ok((document, guarded)) => {
+                self.show(document);
+                self.offer = guarded.offer;
+                self.answer_offer(true);
+            }
+            Err(error) => self.log.add(Weight::Error, error.to_string()),
+        }
+    }
+
+    /// Tells why edits are not kept safe.
+    pub(super) fn mind_trouble(&mut self) {
+        if let Some(text) = self.document.take_trouble() {
+            self.log.add(Weight::Warning, text);
+        }
+    }
+
     /// Makes the offered edits again, or throws them away.
     pub(super) fn answer_offer(&mut self, wanted: bool) {
         let Some(offer) = self.offer.take() else {
+            self.answer_abandoned(wanted);
             return;
         };
         if wanted {
@@ -56,7 +114,7 @@ impl Studio {
     }
 
     /// The window ends in order: what was not saved is not wanted.
-    pub(in crate::window) fn finish(&mut self) {
+    pub fn finish(&mut self) {
         self.document.engine_mut().forget_unsaved();
     }
 

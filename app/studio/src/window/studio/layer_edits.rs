@@ -5,14 +5,15 @@ use std::path::PathBuf;
 use relievo_engine::SourceState;
 use relievo_engine::planet::Camera;
 use relievo_engine::project::{
-    Adjust, Blend, Edit, Layer, LayerKind, SourceRole, Tint, TintInterpolation, TintLayer,
-    TintStop, layer_from_source,
+    Adjust, Blend, ClassedBy, Edit, Layer, LayerId, LayerKind, SourceRole, Tint, TintInterpolation,
+    TintLayer, TintStop, VectorStyle, layer_from_source,
 };
 use relievo_engine::raster::crs::Crs;
 
 use super::Studio;
 use crate::commands::Command;
 use crate::coverage::Coverage;
+use crate::window::classes::Recipe;
 use crate::window::layers;
 use crate::window::messages::Weight;
 use crate::window::panes::Pane;
@@ -124,6 +125,39 @@ impl Studio {
             // The file is still being opened; where it lies is known to a later command only.
             self.log
                 .add(Weight::News, "Press F to fly to the new layer");
+        }
+    }
+
+    /// Has classes made of a vector layer's features.
+    pub(super) fn classify(&self, id: LayerId, recipe: Recipe) {
+        let engine = self.document.engine();
+        let layer = engine.project().layer(&id);
+        let state = layer.and_then(|l| engine.sources().state(&l.kind, engine.folder()));
+        if let Some(SourceState::Features(open)) = state {
+            self.inbox.classify(id, open, recipe);
+        }
+    }
+
+    /// Gives a vector layer the classes that were made.
+    pub(super) fn classified(&mut self, id: LayerId, made: Result<ClassedBy, String>) {
+        let made = match made {
+            Ok(made) => made,
+            Err(reason) => {
+                self.log.add(Weight::Error, reason);
+                self.layout.open(Pane::Messages);
+                return;
+            }
+        };
+        let kind = self.document.project().layer(&id).map(|l| l.kind.clone());
+        if let Some(LayerKind::Vector(vector)) = kind {
+            let style = VectorStyle {
+                by: Some(made),
+                ..vector.style
+            };
+            self.edit(Edit::SetVectorStyle {
+                id,
+                style: Box::new(style),
+            });
         }
     }
 

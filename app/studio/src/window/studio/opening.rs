@@ -27,7 +27,10 @@ impl Studio {
     /// Starts an empty project in place of the one that is open.
     pub(super) fn start_new(&mut self) {
         match Document::empty(engine_options(&self.options, &self.waker)) {
-            Ok(document) => self.show(document),
+            Ok(mut document) => {
+                document.guard_untitled(self.options.state_folder.as_deref());
+                self.show(document);
+            }
             Err(error) => self
                 .log
                 .add(Weight::Error, format!("cannot start a project: {error}")),
@@ -43,6 +46,7 @@ impl Studio {
         self.selected_element = None;
         self.compare = None;
         self.tools = Tools::default();
+        self.analyses.clear();
         self.offer = None;
         let mut old = std::mem::replace(&mut self.document, document);
         old.engine_mut().forget_unsaved();

@@ -2,10 +2,11 @@
 
 use super::Studio;
 use crate::commands::Command;
+use crate::window::tools::Tool;
 
 impl Studio {
     /// Whether a command can do something now.
-    pub(super) fn is_possible(&self, command: Command) -> bool {
+    pub(in crate::window) fn is_possible(&self, command: Command) -> bool {
         let history = self.document.engine().history();
         let layer = self
             .selected
@@ -29,6 +30,8 @@ impl Studio {
             Command::Locate => unlocked && layer.is_some_and(|l| l.source().is_some()),
             Command::Compare(_) => !self.document.project().scenarios.is_empty(),
             Command::StopComparing => self.compare.is_some(),
+            Command::Use(tool @ (Tool::Hole | Tool::Breakline)) => self.host_of(tool).is_some(),
+            Command::ClearResults => self.analyses.has_results(),
             Command::Screenshot => self.stage.is_some(),
             Command::New
             | Command::Open
@@ -48,6 +51,8 @@ impl Studio {
             | Command::Palette
             | Command::Use(_)
             | Command::AddBookmark
+            | Command::Volumes
+            | Command::Contours
             | Command::FollowSystem
             | Command::Dark
             | Command::Light

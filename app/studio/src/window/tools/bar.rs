@@ -35,7 +35,12 @@ impl Studio {
             .inner_margin(Margin::symmetric(6, 4));
         ui.horizontal(|ui| {
             frame.show(ui, |ui| {
-                for tool in Tool::ALL {
+                let extra = Some(self.tools.tool).filter(|tool| !Tool::BAR.contains(tool));
+                let parts = [Tool::Hole, Tool::Breakline].into_iter();
+                let parts = parts
+                    .filter(|tool| self.is_possible(Command::Use(*tool)) || extra == Some(*tool));
+                let extra = extra.filter(|tool| !matches!(tool, Tool::Hole | Tool::Breakline));
+                for tool in Tool::BAR.into_iter().chain(parts).chain(extra) {
                     let entry = entry_of(Command::Use(tool));
                     let button = ui.selectable_label(self.tools.tool == tool, tool.title());
                     let hint = format!("{}\n{}", entry.help, entry.shortcut_text(ui.ctx()));

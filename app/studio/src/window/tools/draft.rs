@@ -8,7 +8,7 @@ use relievo_engine::project::{
 };
 
 use super::view::{self, Projector};
-use super::{Tool, snap};
+use super::{Spot, Tool, snap};
 use crate::window::action::Action;
 use crate::window::studio::Studio;
 
@@ -38,7 +38,7 @@ impl Studio {
             && let Some(at) = super::released_at(ui)
             && let Some(vertex) = self.vertex_at(rect, at, free)
         {
-            let closes = self.tools.tool == Tool::Polygon
+            let closes = self.tools.tool.is_ring()
                 && self.tools.draft.len() >= super::least_vertices(true)
                 && self.tools.draft.first() == Some(&vertex);
             if closes {
@@ -130,11 +130,20 @@ impl Studio {
             self.tools.draft.clear();
             return;
         }
-        let is_ring = tool == Tool::Polygon;
+        let is_ring = tool.is_ring();
         if self.tools.draft.len() < super::least_vertices(is_ring) {
             return;
         }
         let vertices = std::mem::take(&mut self.tools.draft);
+        if matches!(tool, Tool::Hole | Tool::Breakline) {
+            if let Some(host) = self.host_of(tool) {
+                let (whole, spot) = with_part(&host, tool, vertices);
+                actions.push(self.replace(whole));
+                self.tools.choose(Tool::Select);
+                self.tools.vertex = Some((host.id.clone(), spot));
+            }
+            return;
+        }
         let (stem, kind) = if is_ring {
             let grounds = vertices
                 .iter()
@@ -172,6 +181,17 @@ impl Studio {
         self.tools.choose(Tool::Select);
     }
 
+    /// The selected polygon, if a tool can draw something into it: holes into any, breaklines into one
+    /// whose surface goes through vertices.
+    pub(in crate::window) fn host_of(&self, tool: Tool) -> Option<Arc<Element>> {
+        let element = self.selected_element().filter(|e| !e.locked)?;
+        let ElementKind::Polygon(polygon) = &element.kind else {
+            return None;
+        };
+        let is_tin = matches!(polygon.surface.kind, SurfaceKind::Tin);
+        (tool == Tool::Hole || is_tin).then_some(element)
+    }
+
     /// An element with an id and a name of its own.
     pub(in crate::window) fn new_element(&self, stem: &str, kind: ElementKind) -> Element {
         let project = self.document.project();
@@ -188,6 +208,23 @@ impl Studio {
         let id = format!("{}-{number}", stem.to_lowercase());
         Element::new(id.as_str().into(), format!("{stem} {number}"), kind)
     }
+}
+
+/// A polygon with a hole or a breakline more, and where its first vertex is.
+fn with_part(host: &Element, tool: Tool, vertices: Vec<Vertex>) -> (Element, Spot) {
+    let mut whole = host.clone();
+    let mut list = 0;
+    if let ElementKind::Polygon(polygon) = &mut whole.kind {
+        let parts = if tool == Tool::Hole {
+            list = 1 + polygon.holes.len();
+            &mut polygon.holes
+        } else {
+            list = 1 + polygon.holes.len() + polygon.breaklines.len();
+            &mut polygon.breaklines
+        };
+        parts.push(vertices.into());
+    }
+    (whole, Spot { list, index: 0 })
 }
 
 /// A place on the straight way between two vertices; heights too where both have one.

@@ -243,9 +243,15 @@ pub(in crate::window) fn inserted(element: &Element, after: Spot) -> Option<Elem
     })
 }
 
-/// The element with a vertex less; `None` where too few would be left.
+/// The element with a vertex less, or without the hole or breakline that has no vertex to spare; `None`
+/// where too few would be left.
 pub(in crate::window) fn removed(element: &Element, spot: Spot) -> Option<Element> {
     let least = super::least_vertices(is_ring(element, spot.list));
+    let lists = element.vertex_lists();
+    let vertices = lists.get(spot.list)?.as_slice();
+    if spot.index < vertices.len() && vertices.len() <= least {
+        return without_part(element, spot.list);
+    }
     changed(element, spot.list, |vertices| {
         if vertices.len() <= least || spot.index >= vertices.len() {
             return None;
@@ -253,6 +259,25 @@ pub(in crate::window) fn removed(element: &Element, spot: Spot) -> Option<Elemen
         vertices.remove(spot.index);
         Some(())
     })
+}
+
+/// The element without one of its holes or breaklines.
+fn without_part(element: &Element, list: usize) -> Option<Element> {
+    let mut element = element.clone();
+    let ElementKind::Polygon(polygon) = &mut element.kind else {
+        return None;
+    };
+    let part = list.checked_sub(1)?;
+    if part < polygon.holes.len() {
+        polygon.holes.remove(part);
+    } else {
+        let part = part - polygon.holes.len();
+        if part >= polygon.breaklines.len() {
+            return None;
+        }
+        polygon.breaklines.remove(part);
+    }
+    Some(element)
 }
 
 #[cfg(test)]
@@ -290,5 +315,19 @@ mod tests {
         assert!(removed(&three, spot).is_none());
         assert!(removed(&square(), Spot { list: 0, index: 9 }).is_none());
         assert!(removed(&square(), Spot { list: 3, index: 0 }).is_none());
+    }
+
+    #[test]
+    fn a_hole_or_a_breakline_without_a_vertex_to_spare_goes_as_a_whole() {
+        let mut element = square();
+        let ring = [(0.2, 0.2), (0.4, 0.2), (0.2, 0.4)].map(|(x, y)| Vertex::new(x, y));
+        if let ElementKind::Polygon(polygon) = &mut element.kind {
+            polygon.holes = vec![ring.to_vec().into()];
+            polygon.breaklines = vec![ring[..2].to_vec().into()];
+        }
+        let without_line = removed(&element, Spot { list: 2, index: 1 }).unwrap();
+        assert_eq!(without_line.vertex_lists().len(), 2);
+        let without_hole = removed(&without_line, Spot { list: 1, index: 0 }).unwrap();
+        assert_eq!(without_hole, square());
     }
 }

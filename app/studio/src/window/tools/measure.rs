@@ -4,7 +4,7 @@ use relievo_engine::Measure;
 use relievo_engine::planet::MapPoint;
 
 use super::{Tool, view};
-use crate::window::status::length;
+use crate::window::status::{area, length};
 use crate::window::studio::Studio;
 
 impl Studio {
@@ -30,28 +30,5 @@ impl Studio {
             );
         }
         Some(text)
-    }
-}
-
-/// An area for people: square metres below a square kilometre.
-fn area(square_m: f64) -> String {
-    match square_m {
-        a if a < 1e4 => format!("{a:.1} m²"),
-        a if a < 1e6 => format!("{:.2} ha", a / 1e4),
-        a if a < 1e9 => format!("{:.2} km²", a / 1e6),
-        a => format!("{:.0} km²", a / 1e6),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn areas_take_the_unit_that_reads_best() {
-        assert_eq!(area(12.34), "12.3 m²");
-        assert_eq!(area(25_000.0), "2.50 ha");
-        assert_eq!(area(3_456_000.0), "3.46 km²");
-        assert_eq!(area(5.1e14), "510000000 km²");
     }
 }

@@ -54,8 +54,8 @@ impl Studio {
             painter.circle(at, 5.0, BAND, Stroke::new(1.5, Color32::from_gray(20)));
         }
         match self.tools.tool {
-            Tool::Select => {}
-            Tool::Polygon | Tool::Corridor | Tool::Measure => {
+            Tool::Select | Tool::Observer | Tool::Water => {}
+            Tool::Polygon | Tool::Hole | Tool::Breakline | Tool::Corridor | Tool::Measure => {
                 self.paint_draft(&painter, &projector);
             }
             Tool::Brush => {
@@ -112,7 +112,7 @@ impl Studio {
         let faint = Stroke::new(1.5, BAND.gamma_multiply(0.6));
         if let (Some(last), Some(next)) = (draft.last(), &self.tools.next) {
             line(painter, projector, last, next, faint);
-            if self.tools.tool == Tool::Polygon && draft.len() > 1 {
+            if self.tools.tool.is_ring() && draft.len() > 1 {
                 line(painter, projector, next, &draft[0], faint);
             }
         }

@@ -1,7 +1,7 @@
 //! Coordinates and heights of vertices, typed.
 
 use eframe::egui::{self, DragValue, ScrollArea, Ui, WidgetInfo};
-use relievo_engine::project::{Edit, Vertex};
+use relievo_engine::project::{Edit, Element, ElementKind, Vertex};
 use std::sync::Arc;
 
 use super::Shown;
@@ -79,6 +79,17 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
         });
 }
 
+/// What people call a list of vertices.
+fn list_name(element: &Element, list: usize) -> String {
+    match &element.kind {
+        ElementKind::Polygon(_) if list == 0 => "Outline".to_owned(),
+        ElementKind::Polygon(polygon) if list <= polygon.holes.len() => format!("Hole {list}"),
+        ElementKind::Polygon(polygon) => format!("Breakline {}", list - polygon.holes.len()),
+        ElementKind::Corridor(_) => "Axis".to_owned(),
+        ElementKind::Brush(_) | ElementKind::Unknown { .. } => format!("List {}", list + 1),
+    }
+}
+
 fn row(
     ui: &mut Ui,
     shown: &Shown<'_>,
@@ -93,10 +104,11 @@ fn row(
     button.widget_info(|| {
         WidgetInfo::selected(egui::Role::Button, true, chosen, format!("Vertex {number}"))
     });
-    if button
-        .on_hover_text("Mark this vertex on the terrain")
-        .clicked()
-    {
+    let hint = format!(
+        "Mark this vertex on the terrain\n{}",
+        list_name(shown.element, spot.list)
+    );
+    if button.on_hover_text(hint).clicked() {
         let id = shown.element.id.clone();
         actions.push(Action::ChooseVertex(id, spot));
     }

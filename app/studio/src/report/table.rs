@@ -4,10 +4,10 @@ use relievo_engine::analysis::{Amount, ComparisonReport, Volumes};
 use serde_json::{Map, Value, json};
 
 /// A column: name with unit, what to read, digits after the point.
-type Quantity = (&'static str, fn(&Volumes) -> Amount, usize);
+pub(crate) type Quantity = (&'static str, fn(&Volumes) -> Amount, usize);
 
 /// Quantities in the order of columns.
-pub(super) const QUANTITIES: [Quantity; 8] = [
+pub(crate) const QUANTITIES: [Quantity; 8] = [
     ("cut_m3", |v| v.cut_m3, 2),
     ("fill_m3", |v| v.fill_m3, 2),
     ("net_m3", |v| v.net_m3, 2),

@@ -101,7 +101,7 @@ fn row(class: &str, label: &str, volumes: &Volumes) -> String {
 }
 
 /// A number with thin spaces between thousands.
-fn grouped(value: f64, digits: usize) -> String {
+pub(crate) fn grouped(value: f64, digits: usize) -> String {
     let text = format!("{:.digits$}", value.abs());
     let (whole, part) = text.split_once('.').unwrap_or((&text, ""));
     let mut out = String::new();
