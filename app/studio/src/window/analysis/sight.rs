@@ -21,6 +21,9 @@ use crate::window::tools::Tool;
 const SEEN: Colour = [1.0, 0.82, 0.25, 0.45];
 const HIDDEN: Colour = [0.08, 0.09, 0.18, 0.55];
 
+/// Samples to each side where the data is too fine for so large a circle.
+const COARSE: f64 = 700.0;
+
 const EYE: Field = Field {
     name: "Eye",
     hint: "Height of the observer's eye above the ground",
@@ -51,7 +54,7 @@ const REFRACTION: Field = Field {
 };
 const SPACING: Field = Field {
     name: "Spacing",
-    hint: "Metres between samples; 0 takes the spacing of the data",
+    hint: "Metres between samples; 0 takes the spacing of the data where that is possible",
     range: 0.0..=10_000.0,
     unit: " m",
     decimals: 2,
@@ -217,7 +220,18 @@ impl Studio {
         sight.measured.follow(wanted, state, rests, || {
             let questions = engine.questions();
             move |task: &Task| {
-                let found = questions.viewshed(observer, &wanted.settings, task);
+                let settings = wanted.settings;
+                let found = questions.viewshed(observer, &settings, task).or_else(|error| {
+                    if settings.spacing_m.is_some() || task.cancel.is_cancelled() {
+                        return Err(error);
+                    }
+                    // Finer data than can be looked at so far: as fine as is quick.
+                    let settings = ViewshedSettings {
+                        spacing_m: Some(settings.radius_m / COARSE),
+                        ..settings
+                    };
+                    questions.viewshed(observer, &settings, task)
+                });
                 let found = found.map_err(|e| e.to_string())?;
                 Ok(Seen {
                     visible_m2: found.visible_m2,
