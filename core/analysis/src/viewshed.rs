@@ -14,6 +14,9 @@ use crate::parallel;
 
 use sight_lines::Terrain;
 
+/// Samples from the middle to the rim at least, unless somebody says how many.
+const LEAST_REACH: f64 = 64.0;
+
 /// Samples that are read at once.
 const STRIP: i64 = 1 << 19;
 
@@ -28,7 +31,8 @@ pub struct ViewshedSettings {
     pub radius_m: f64,
     /// How much of the ellipsoid's curvature refraction takes away: 0 none, 1 all.
     pub refraction: f64,
-    /// Metres between samples; `None` takes the spacing of the data.
+    /// Metres between samples; `None` takes the spacing of the data, and a 64th of the radius where
+    /// that is coarser, so that the circle is one.
     pub spacing_m: Option<f64>,
     /// Most samples of the square around the circle; a larger request is refused.
     pub max_samples: u64,
@@ -131,7 +135,8 @@ pub fn viewshed(
     let angle_rad = settings.radius_m / frame.mean_radius_m();
     let area = MapBox::around(frame.centre, angle_rad.min(core::f64::consts::PI));
     let spacing_m = settings.spacing_m.unwrap_or_else(|| {
-        LevelKey::new(0, ground.finest_level(&area)).step_rad().y * planet.radius_m
+        let data_m = LevelKey::new(0, ground.finest_level(&area)).step_rad().y * planet.radius_m;
+        data_m.min(settings.radius_m / LEAST_REACH)
     });
     let reach = libm::ceil(settings.radius_m / spacing_m);
     let samples = (2.0 * reach + 1.0) * (2.0 * reach + 1.0);

@@ -24,6 +24,8 @@ pub(crate) struct Measured<K, A> {
     requested: bool,
     /// What it would be asked now.
     wanted: Option<Asked<K>>,
+    /// The settings that it was asked with last.
+    asked: Option<K>,
 }
 
 /// An answer, or one line that says why there is none.
@@ -45,6 +47,7 @@ where
             latest: Latest::new(name, waker)?,
             requested: false,
             wanted: None,
+            asked: None,
         })
     }
 
@@ -59,13 +62,15 @@ where
     where
         W: FnOnce(&Task) -> Result<A, String> + Send + 'static,
     {
+        let is_busy = matches!(self.latest.waiting(), Waiting::Busy { .. });
+        // Whoever changes a setting while it works wants the new answer and not the old one.
+        self.requested |= is_busy && self.asked.as_ref().is_some_and(|asked| *asked != key);
         let wanted = (key, state);
         self.wanted = Some(wanted.clone());
         if !rests {
             return;
         }
-        let is_free = !matches!(self.latest.waiting(), Waiting::Busy { .. });
-        let was_quick = is_free && self.latest.last().is_some_and(|last| last.took < QUICK);
+        let was_quick = !is_busy && self.latest.last().is_some_and(|last| last.took < QUICK);
         if std::mem::take(&mut self.requested) {
             if self.latest.waiting() == Waiting::Stopped {
                 self.latest.forget();
@@ -73,6 +78,7 @@ where
         } else if !was_quick {
             return;
         }
+        self.asked = Some(wanted.0.clone());
         self.latest.ask(wanted, || {
             let work = work();
             move |task: &Task| work(task).map(Arc::new)
@@ -91,7 +97,7 @@ where
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
         self.latest.clear();
-        (self.requested, self.wanted) = (false, None);
+        (self.requested, self.wanted, self.asked) = (false, None, None);
     }
 
     /// What is being waited for, whether the last answer is out of date, why there is none.
@@ -115,7 +121,9 @@ where
                 }
             });
         }
-        if let Err(reason) = found.answer {
+        if let Err(reason) = found.answer
+            && (is_free || found.is_current)
+        {
             ui.colored_label(ui.visuals().error_fg_color, reason);
         }
     }

@@ -221,17 +221,19 @@ impl Studio {
             let questions = engine.questions();
             move |task: &Task| {
                 let settings = wanted.settings;
-                let found = questions.viewshed(observer, &settings, task).or_else(|error| {
-                    if settings.spacing_m.is_some() || task.cancel.is_cancelled() {
-                        return Err(error);
-                    }
-                    // Finer data than can be looked at so far: as fine as is quick.
-                    let settings = ViewshedSettings {
-                        spacing_m: Some(settings.radius_m / COARSE),
-                        ..settings
-                    };
-                    questions.viewshed(observer, &settings, task)
-                });
+                let found = questions
+                    .viewshed(observer, &settings, task)
+                    .or_else(|error| {
+                        if settings.spacing_m.is_some() || task.cancel.is_cancelled() {
+                            return Err(error);
+                        }
+                        // Finer data than can be looked at so far: as fine as is quick.
+                        let settings = ViewshedSettings {
+                            spacing_m: Some(settings.radius_m / COARSE),
+                            ..settings
+                        };
+                        questions.viewshed(observer, &settings, task)
+                    });
                 let found = found.map_err(|e| e.to_string())?;
                 Ok(Seen {
                     visible_m2: found.visible_m2,
