@@ -103,9 +103,10 @@ impl Inspector {
                     }
                     LayerKind::Vector(l) => {
                         let state = engine.sources().state(&layer.kind, engine.folder());
-                        let features = match &state {
-                            Some(SourceState::Features(open)) => Some(&*open.features),
-                            _ => None,
+                        let features = if let Some(SourceState::Features(open)) = &state {
+                            Some(&*open.features)
+                        } else {
+                            None
                         };
                         section(ui, "Style", |ui| {
                             vector::show(ui, id, &l.style, features, actions);

@@ -3,145 +3,22 @@
 //!
 //! Invariant: every pane is in the tree once. What is hidden keeps its place.
 
+mod pane;
+
 use std::collections::BTreeSet;
 
 use eframe::egui::Id;
 use egui_tiles::{Linear, LinearDir, Tile, TileId, Tiles, Tree};
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+use pane::Home;
+pub use pane::Pane;
 
 /// Shares of the width that the panes at the left, the view and the panes at the right take at first.
 const WIDTHS: [f32; 3] = [0.21, 0.53, 0.26];
 
 /// Shares of the height that the panes below take at first.
 const HEIGHTS: [f32; 2] = [0.76, 0.24];
-
-/// A part of the window that can be moved and hidden.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Pane {
-    /// The view of the planet, which cannot be hidden.
-    View,
-    /// The list of layers.
-    Layers,
-    /// The list of planning elements.
-    Elements,
-    /// The tree of scenarios.
-    Scenarios,
-    /// Settings of what is selected.
-    Inspector,
-    /// Light, planet and quality.
-    Scene,
-    /// What can be undone and redone.
-    History,
-    /// Places to go back to.
-    Bookmarks,
-    /// Problems and news.
-    Messages,
-    /// What made the ground under the pointer.
-    Place,
-    /// How often each value is seen in the selected layer.
-    Histogram,
-    /// Heights along a line.
-    Profile,
-    /// Volumes and areas between two scenarios.
-    Volumes,
-    /// What is seen from a place.
-    Viewshed,
-    /// Still water at a level.
-    Flood,
-    /// Contours to be written to a file.
-    Contours,
-    /// The nodes that make the picture.
-    Graph,
-    /// What the program is doing.
-    Statistics,
-}
-
-impl Pane {
-    /// All of them.
-    pub const ALL: [Self; 18] = [
-        Self::View,
-        Self::Layers,
-        Self::Elements,
-        Self::Scenarios,
-        Self::Inspector,
-        Self::Scene,
-        Self::History,
-        Self::Bookmarks,
-        Self::Messages,
-        Self::Place,
-        Self::Histogram,
-        Self::Profile,
-        Self::Volumes,
-        Self::Viewshed,
-        Self::Flood,
-        Self::Contours,
-        Self::Graph,
-        Self::Statistics,
-    ];
-
-    /// What its tab says.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::View => "View",
-            Self::Layers => "Layers",
-            Self::Elements => "Elements",
-            Self::Scenarios => "Scenarios",
-            Self::Inspector => "Inspector",
-            Self::Scene => "Scene",
-            Self::History => "History",
-            Self::Bookmarks => "Bookmarks",
-            Self::Messages => "Messages",
-            Self::Place => "Place",
-            Self::Histogram => "Histogram",
-            Self::Profile => "Profile",
-            Self::Volumes => "Volumes",
-            Self::Viewshed => "Viewshed",
-            Self::Flood => "Flood",
-            Self::Contours => "Contours",
-            Self::Graph => "Graph",
-            Self::Statistics => "Statistics",
-        }
-    }
-
-    /// Where it lies at first.
-    fn home(self) -> Home {
-        match self {
-            Self::View => Home::Middle,
-            Self::Layers => Home::Left,
-            Self::Elements | Self::Scenarios | Self::Bookmarks => Home::LowerLeft,
-            Self::Inspector
-            | Self::Scene
-            | Self::History
-            | Self::Viewshed
-            | Self::Flood
-            | Self::Contours => Home::Right,
-            Self::Messages
-            | Self::Place
-            | Self::Histogram
-            | Self::Profile
-            | Self::Volumes
-            | Self::Graph
-            | Self::Statistics => Home::Below,
-        }
-    }
-
-    /// Whether it is shown at first.
-    fn is_open_at_first(self) -> bool {
-        !matches!(self, Self::Viewshed | Self::Flood | Self::Contours) && self.home() != Home::Below
-    }
-}
-
-/// Groups of tabs of the first layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Home {
-    Left,
-    LowerLeft,
-    Middle,
-    Right,
-    Below,
-}
 
 /// Where the panes lie.
 pub(crate) struct Layout {

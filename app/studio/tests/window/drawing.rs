@@ -437,9 +437,11 @@ fn a_hole_and_a_breakline_are_drawn_into_the_selected_polygon_edited_and_undone(
         }
     }
     window.press(Modifiers::NONE, Key::Enter);
-    let holes = |w: &Window| match &w.elements()[0].kind {
-        ElementKind::Polygon(polygon) => polygon.holes.clone(),
-        _ => panic!("expected a polygon"),
+    let holes = |w: &Window| {
+        let ElementKind::Polygon(polygon) = &w.elements()[0].kind else {
+            panic!("expected a polygon")
+        };
+        polygon.holes.clone()
     };
     assert_eq!(holes(&window).len(), 1);
     assert_eq!(holes(&window)[0].as_slice().len(), 3);

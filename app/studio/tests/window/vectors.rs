@@ -18,10 +18,10 @@ const PLOTS: &str = r#"{"type": "FeatureCollection", "features": [
     {"type": "Feature", "properties": {"use": "field", "height": 9}, "geometry": {"type": "Point", "coordinates": [10.02, 45]}}]}"#;
 
 fn classes(window: &Window) -> Option<ClassedBy> {
-    match &window.layers()[0].kind {
-        LayerKind::Vector(vector) => vector.style.by.clone(),
-        _ => panic!("expected a vector layer"),
-    }
+    let LayerKind::Vector(vector) = &window.layers()[0].kind else {
+        panic!("expected a vector layer")
+    };
+    vector.style.by.clone()
 }
 
 #[test]

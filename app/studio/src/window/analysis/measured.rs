@@ -56,6 +56,11 @@ where
         self.requested = true;
     }
 
+    /// Whether somebody waits for it to be asked.
+    pub(crate) fn is_requested(&self) -> bool {
+        self.requested
+    }
+
     /// Once a frame: asks what is wanted now if it is requested, or if the last time was quick. `rests`
     /// says whether nothing is in the way.
     pub(crate) fn follow<W>(&mut self, key: K, state: u64, rests: bool, work: impl FnOnce() -> W)

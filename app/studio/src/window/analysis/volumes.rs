@@ -1,7 +1,9 @@
 //! What differs between two scenarios: cut, fill, areas, slopes, element by element and in total.
 
+use std::cell::Cell;
 use std::io;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::egui::{Align, ComboBox, Grid, Layout, Response, RichText, ScrollArea, Ui};
 use relievo_engine::analysis::{
@@ -20,7 +22,10 @@ use crate::window::studio::Studio;
 const ANY_M: f64 = 1e9;
 
 /// Samples that a step takes at most.
-const MOST_SAMPLES: u64 = 1 << 19;
+const MOST_SAMPLES: u64 = 1 << 21;
+
+/// Compiling both versions may hold the window up for so long before they are measured on request only.
+const NOTICED: Duration = Duration::from_millis(30);
 
 /// Heads of columns, in the order of [`QUANTITIES`].
 const HEADS: [&str; 8] = [
@@ -64,6 +69,8 @@ pub(super) struct VolumesPane {
     chosen: [Option<Version>; 2],
     /// The question that was asked.
     asked: Option<Wanted>,
+    /// Compiling it was noticed.
+    is_dear: bool,
     measured: Measured<Wanted, Compared>,
 }
 
@@ -72,6 +79,7 @@ impl VolumesPane {
         Ok(Self {
             chosen: [None, None],
             asked: None,
+            is_dear: false,
             measured: Measured::new("relievo-volumes", waker)?,
         })
     }
@@ -110,7 +118,7 @@ impl VolumesPane {
         &mut self,
         ui: &mut Ui,
         project: &Project,
-        names: &dyn Fn(&ElementId) -> bool,
+        is_there: &dyn Fn(&ElementId) -> bool,
         actions: &mut Vec<Action>,
     ) {
         let wanted = self.versions(project);
@@ -168,7 +176,7 @@ impl VolumesPane {
         ScrollArea::both()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                table(ui, &found.report, names, actions);
+                table(ui, &found.report, is_there, actions);
                 for note in &found.report.notes {
                     ui.weak(note);
                 }
@@ -295,8 +303,13 @@ impl Studio {
             return;
         };
         let engine = self.document.engine();
-        volumes.measured.follow(wanted.clone(), state, rests, || {
+        let is_free = !volumes.is_dear || volumes.measured.is_requested();
+        let compiled = Cell::new(Duration::ZERO);
+        let key = wanted.clone();
+        volumes.measured.follow(key, state, rests && is_free, || {
+            let began = Instant::now();
             let comparison = engine.comparison(&wanted.a, &wanted.b, None);
+            compiled.set(began.elapsed());
             move |task: &Task| {
                 let comparison = comparison?;
                 let settings = VolumeSettings {
@@ -309,5 +322,6 @@ impl Studio {
                 Ok(Compared { comparison, report })
             }
         });
+        volumes.is_dear |= compiled.get() > NOTICED;
     }
 }

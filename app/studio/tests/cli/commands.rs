@@ -1,73 +1,12 @@
 //! The command line as scripts see it: exit codes, results, one line about what is wrong.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use std::path::{Path, PathBuf};
 
 use relievo_engine::raster::write::{Png, write_png};
 use relievo_engine::raster::{Bands, Block, Cancel};
 use serde_json::Value;
 
-/// What a run of the program gives.
-struct Run {
-    code: u8,
-    out: String,
-    err: String,
-}
-
-impl Run {
-    fn json(&self) -> Value {
-        serde_json::from_str(&self.out)
-            .unwrap_or_else(|e| panic!("expected JSON, found {e}: {}", self.out))
-    }
-}
-
-fn relievo(arguments: &[&str]) -> Run {
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    let all = ["relievo"].iter().chain(arguments).copied();
-    let code = relievo::cli::run(all, &mut out, &mut err, &Cancel::default());
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    Run {
-        code,
-        out: text(out),
-        err: text(err),
-    }
-}
-
-/// A run that must succeed.
-fn good(arguments: &[&str]) -> Run {
-    let run = relievo(arguments);
-    assert_eq!((run.code, run.err.as_str()), (0, ""), "{arguments:?}");
-    run
-}
-
-/// The line of a run that must be refused as bad input.
-fn refused(arguments: &[&str]) -> String {
-    let run = relievo(arguments);
-    assert_eq!(run.code, 2, "{arguments:?}: {}", run.err);
-    assert!(
-        run.err.starts_with("relievo: ") && run.err.ends_with('\n'),
-        "{}",
-        run.err
-    );
-    assert_eq!(run.err.lines().count(), 1, "one line: {}", run.err);
-    run.err
-}
-
-fn sample_file(name: &str) -> String {
-    let projects = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects");
-    projects.join(name).to_str().unwrap().to_owned()
-}
-
-fn text_file(folder: &Path, name: &str, text: &str) -> String {
-    let path = folder.join(name);
-    std::fs::write(&path, text).unwrap();
-    path.to_str().unwrap().to_owned()
-}
-
-fn in_folder(folder: &Path, name: &str) -> String {
-    folder.join(name).to_str().unwrap().to_owned()
-}
+use crate::shared::{Run, good, in_folder, refused, relievo, sample_file, text_file};
 
 const NOISE: &str = r##"{"version": 1, "layers": [
     {"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 900.0, "wavelength_m": 500000.0, "octaves": 6},

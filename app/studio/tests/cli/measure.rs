@@ -1,31 +1,10 @@
 //! Measuring commands as scripts see them.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use std::path::Path;
 
-use relievo_engine::raster::Cancel;
 use serde_json::Value;
 
-/// Runs the program; its exit code, results, and what it says is wrong.
-fn relievo(arguments: &[&str]) -> (u8, String, String) {
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    let all = ["relievo"].iter().chain(arguments).copied();
-    let code = relievo::cli::run(all, &mut out, &mut err, &Cancel::default());
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (code, text(out), text(err))
-}
-
-/// A run that must succeed; its results.
-fn good(arguments: &[&str]) -> String {
-    let (code, out, err) = relievo(arguments);
-    assert_eq!((code, err.as_str()), (0, ""), "{arguments:?}");
-    out
-}
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
+use crate::shared::{good, refused};
 
 /// Rolling hills, and a scenario in which they are twice as high.
 fn hills(folder: &Path) -> String {
@@ -70,7 +49,7 @@ fn a_profile_is_a_table_and_a_summary() {
         "500",
     ];
     let written = [&line[..], &["-o", table.to_str().unwrap()]].concat();
-    let summary = json(&good(&written));
+    let summary = good(&written).json();
     let text = std::fs::read_to_string(&table).unwrap();
     let mut lines = text.lines();
     assert_eq!(
@@ -93,7 +72,7 @@ fn a_profile_is_a_table_and_a_summary() {
     assert!(
         number(&summary["climb_m"]) > 1.0 && rows.iter().all(|r| (200.0..800.0).contains(&r[3]))
     );
-    assert_eq!(good(&line), text, "without -o the table is printed");
+    assert_eq!(good(&line).out, text, "without -o the table is printed");
 }
 
 #[test]
@@ -108,7 +87,7 @@ fn contours_are_geojson_at_whole_intervals() {
         "--interval",
         "20",
     ]);
-    let found = json(&found);
+    let found = found.json();
     let features = found["features"].as_array().unwrap();
     assert!(features.len() > 2);
     for feature in features {
@@ -117,7 +96,7 @@ fn contours_are_geojson_at_whole_intervals() {
         assert_eq!(feature["geometry"]["type"], "LineString");
         let first = &feature["geometry"]["coordinates"][0];
         let at = format!("{},{}", first[0], first[1]);
-        let there = json(&good(&["sample", &project, "--at", &at]));
+        let there = good(&["sample", &project, "--at", &at]).json();
         assert!((number(&there["height_m"]) - height_m).abs() < 15.0);
     }
 }
@@ -128,7 +107,7 @@ fn sight_and_water_are_summed_up_and_drawn() {
     let project = hills(folder.path());
     let picture = folder.path().join("seen.png");
     let name = picture.to_str().unwrap();
-    let seen = json(&good(&[
+    let seen = good(&[
         "viewshed",
         &project,
         "--at",
@@ -139,7 +118,8 @@ fn sight_and_water_are_summed_up_and_drawn() {
         "100",
         "-o",
         name,
-    ]));
+    ])
+    .json();
     let (visible, area) = (number(&seen["visible_m2"]), number(&seen["area_m2"]));
     assert!(visible > 0.0 && visible <= area);
     assert!((area / (core::f64::consts::PI * 4e6) - 1.0).abs() < 0.05);
@@ -181,7 +161,7 @@ fn sight_and_water_are_summed_up_and_drawn() {
 
     let basin = basin(folder.path());
     let shore = folder.path().join("shore.geojson");
-    let wet = json(&good(&[
+    let wet = good(&[
         "flood",
         &basin,
         "--at",
@@ -189,7 +169,8 @@ fn sight_and_water_are_summed_up_and_drawn() {
         "--level=-15",
         "-o",
         shore.to_str().unwrap(),
-    ]));
+    ])
+    .json();
     // Walls around 0.01 by 0.01 degrees, five metres of water: a degree of latitude is 110 579 m here,
     // one of longitude 110 897 m (WGS 84).
     let area_m2 = 1105.79 * 1108.97;
@@ -202,7 +183,7 @@ fn sight_and_water_are_summed_up_and_drawn() {
         "{wet}"
     );
     assert!((number(&wet["deepest_m"]) - 5.0).abs() < 1e-3, "{wet}");
-    let drawn = json(&std::fs::read_to_string(&shore).unwrap());
+    let drawn: Value = serde_json::from_str(&std::fs::read_to_string(&shore).unwrap()).unwrap();
     assert_eq!(
         drawn["features"].as_array().map(Vec::len),
         Some(1),
@@ -236,13 +217,10 @@ fn sight_and_water_are_summed_up_and_drawn() {
         );
     }
 
-    let ground = number(&json(&good(&["sample", &project, "--at", "10,5"]))["height_m"]);
+    let ground = number(&good(&["sample", &project, "--at", "10,5"]).json()["height_m"]);
     let dry = format!("{}", ground - 100.0);
-    let (code, _, line) = relievo(&["flood", &project, "--at", "10,5", "--level", &dry]);
-    assert!(
-        code == 2 && line.contains("below the water level"),
-        "{line}"
-    );
+    let told = refused(&["flood", &project, "--at", "10,5", "--level", &dry]);
+    assert!(told.contains("below the water level"), "{told}");
 }
 
 /// A platform in a scenario, a road and strokes, on level ground.
@@ -382,7 +360,7 @@ fn scenarios_are_compared_as_json_table_and_page() {
         ]);
         std::fs::read_to_string(path).unwrap()
     };
-    let report = json(&compare("report.json"));
+    let report: Value = serde_json::from_str(&compare("report.json")).unwrap();
     assert_eq!(
         (&report["a"], &report["b"]),
         (&Value::from("base"), &Value::from("Higher hills"))
@@ -406,15 +384,11 @@ fn scenarios_are_compared_as_json_table_and_page() {
         "it needs nothing else"
     );
 
-    let (code, _, line) = relievo(&["compare", &project, "--b", "nothing"]);
-    assert_eq!(code, 2);
+    let told = refused(&["compare", &project, "--b", "nothing"]);
     assert!(
-        line.contains("expected base, ground or a scenario (Higher hills), found \"nothing\""),
-        "{line}"
+        told.contains("expected base, ground or a scenario (Higher hills), found \"nothing\""),
+        "{told}"
     );
-    let (code, _, line) = relievo(&["compare", &project, "--b", "base", "-o", "x.txt"]);
-    assert!(
-        code == 2 && line.contains("ends in .html or .json or .csv"),
-        "{line}"
-    );
+    let told = refused(&["compare", &project, "--b", "base", "-o", "x.txt"]);
+    assert!(told.contains("ends in .html or .json or .csv"), "{told}");
 }

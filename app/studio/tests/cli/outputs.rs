@@ -1,30 +1,15 @@
 //! Where results go: never over what is read, never half, and a refusal in one line.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+use std::path::PathBuf;
 
-use std::path::{Path, PathBuf};
-
-use relievo_engine::raster::Cancel;
-
-fn relievo(arguments: &[&str], out: &mut dyn std::io::Write) -> (u8, String) {
-    let mut err = Vec::new();
-    let all = ["relievo"].iter().chain(arguments).copied();
-    let code = relievo::cli::run(all, out, &mut err, &Cancel::default());
-    (code, String::from_utf8(err).unwrap())
-}
+use crate::shared::{relievo_into, sample_file};
 
 /// The line of a run that must end with a code.
 fn line(arguments: &[&str], expected: u8) -> String {
-    let (code, err) = relievo(arguments, &mut Vec::new());
+    let (code, err) = relievo_into(arguments, &mut Vec::new());
     assert_eq!(code, expected, "{arguments:?}: {err}");
     assert_eq!(err.lines().count(), 1, "{arguments:?}: {err}");
     err
-}
-
-fn sample_file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../projects/data")
-        .join(name)
 }
 
 /// A folder with a source, a project of it and edits; their texts.
@@ -37,12 +22,12 @@ impl Desk {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().to_owned();
-        std::fs::copy(sample_file("wasatch-dem.tif"), path.join("dem.tif")).unwrap();
+        std::fs::copy(sample_file("data/wasatch-dem.tif"), path.join("dem.tif")).unwrap();
         let project = r#"{"version": 1, "layers": [
             {"id": "dem", "kind": "height", "path": "dem.tif"},
             {"id": "hidden", "kind": "height", "path": "hidden.tif", "visible": false}]}"#;
         std::fs::write(path.join("p.relievo"), project).unwrap();
-        std::fs::copy(sample_file("wasatch-dem.tif"), path.join("hidden.tif")).unwrap();
+        std::fs::copy(sample_file("data/wasatch-dem.tif"), path.join("hidden.tif")).unwrap();
         std::fs::write(path.join("e.json"), "[]").unwrap();
         Self {
             _folder: folder,
@@ -165,7 +150,7 @@ fn results_that_do_not_fit_on_the_disk_are_told() {
             .write(true)
             .open("/dev/full")
             .unwrap();
-        let (code, err) = relievo(arguments, &mut full);
+        let (code, err) = relievo_into(arguments, &mut full);
         assert_eq!(code, 1, "{arguments:?}: {err}");
         assert!(
             err.contains("cannot write the result") && err.lines().count() == 1,
