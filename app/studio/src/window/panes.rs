@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 
 use eframe::egui::Id;
 use egui_tiles::{Linear, LinearDir, Tile, TileId, Tiles, Tree};
+use serde::Deserialize as _;
 use serde_json::Value;
 
 use pane::Home;
