@@ -121,7 +121,7 @@ impl Studio {
                     other,
                     engine,
                     stage: None,
-                    revision: self.document.revision() ^ (self.frame_revision << 32),
+                    revision: self.document.revision(),
                     swipe: 0.5,
                     differences: Differences::new(latest),
                 });

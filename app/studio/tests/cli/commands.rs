@@ -6,7 +6,7 @@ use relievo_engine::raster::write::{Png, write_png};
 use relievo_engine::raster::{Bands, Block, Cancel};
 use serde_json::Value;
 
-use crate::shared::{Run, good, in_folder, refused, relievo, sample_file, text_file};
+use crate::shared::{good, in_folder, refused, relievo, sample_file, text_file};
 
 const NOISE: &str = r##"{"version": 1, "layers": [
     {"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 900.0, "wavelength_m": 500000.0, "octaves": 6},
