@@ -33,7 +33,7 @@ use self::water::WaterPane;
 use super::inbox::Waker;
 use super::panes::Pane;
 use super::studio::Studio;
-use super::tools::Tool;
+use super::tools::{Tool, released_at};
 
 /// Everything that is being measured.
 pub(crate) struct Analyses {
@@ -115,7 +115,7 @@ impl Studio {
     /// The main button and the keys of the tools that choose a place to measure from.
     pub(in crate::window) fn place_question(&mut self, ui: &Ui, rect: Rect, response: &Response) {
         if response.clicked_by(PointerButton::Primary)
-            && let Some(at) = response.interact_pointer_pos()
+            && let Some(at) = released_at(ui)
             && let Some(point) = self.ground_point(rect, at)
         {
             if self.tools.tool == Tool::Observer {

@@ -148,7 +148,7 @@ pub(crate) fn least_vertices(is_ring: bool) -> usize {
 }
 
 /// Where the main button was let go in this frame. In a slow frame the pointer may have gone on since.
-fn released_at(ui: &Ui) -> Option<Pos2> {
+pub(in crate::window) fn released_at(ui: &Ui) -> Option<Pos2> {
     let released = |event: &Event| match event {
         Event::PointerButton {
             pos,

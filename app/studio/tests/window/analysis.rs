@@ -16,7 +16,10 @@ impl Window {
     }
 
     fn says(&self, text: &str) -> bool {
-        self.harness.query_by_label_contains(text).is_some()
+        self.harness
+            .query_all_by_label_contains(text)
+            .next()
+            .is_some()
     }
 
     /// Runs a command by its name.

@@ -30,7 +30,10 @@ impl Window {
     }
 
     fn asks(&self, question: &str) -> bool {
-        self.harness.query_by_label_contains(question).is_some()
+        self.harness
+            .query_all_by_label_contains(question)
+            .next()
+            .is_some()
     }
 
     /// The user closes the window.
