@@ -38,7 +38,7 @@ fn level(altitude_m: u32, more: &str) -> String {
     format!(
         r#"{{"version": 1,
         "camera": {{"lon_deg": 10.0, "lat_deg": 45.0, "altitude_m": {altitude_m}}},
-        "layers": [{{"id": "flat", "name": "Flat", "kind": "noise", "amplitude_m": 1e-6, "wavelength_m": 20000.0, "octaves": 1}}]{more}}}"#
+        "layers": [{{"id": "flat", "name": "Flat", "kind": "noise", "amplitude_m": 0.01, "wavelength_m": 20000.0, "octaves": 1}}]{more}}}"#
     )
 }
 
@@ -131,6 +131,12 @@ fn volumes_are_measured_and_written_and_out_of_date_once_the_plan_changes() {
         6000,
         &square(0.001, 10.0).replace(r#""wall": true"#, r#""cut_slope": 0.5, "fill_slope": 0.5"#),
     ));
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::U);
+    window
+        .harness
+        .get_by_role_and_label(Role::SpinButton, "Samples")
+        .set_value_accesskit(20_000.0);
+    window.steps();
     window.run("measure volumes");
     assert!(window.harness.state().shows(Pane::Volumes));
     window.until("the volumes", |w| w.says("From ground to base"));
@@ -162,7 +168,7 @@ fn volumes_are_measured_and_written_and_out_of_date_once_the_plan_changes() {
     let cone_m3 = core::f64::consts::PI * 20.0 * 20.0 * 10.0 / 3.0;
     let truth = 10.0 * width_m * height_m + 100.0 * 2.0 * (width_m + height_m) + cone_m3;
     assert!(
-        (fill - truth).abs() <= error + 1e-4 * truth && error < 0.02 * truth,
+        (fill - truth).abs() <= error + 1e-3 * truth && error < 0.1 * truth,
         "{fill} ± {error}, {truth}"
     );
     let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
@@ -182,7 +188,7 @@ fn volumes_are_measured_and_written_and_out_of_date_once_the_plan_changes() {
 
 #[test]
 fn contours_of_the_view_are_written() {
-    let mut window = Window::open(&level(6000, "").replace("1e-6", "500.0"));
+    let mut window = Window::open(&level(6000, "").replace("0.01", "500.0"));
     window.run("contours of this view");
     window.until("contours", |w| w.says("Save GeoJSON…"));
     let folder = tempfile::tempdir().unwrap();

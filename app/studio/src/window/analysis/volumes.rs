@@ -5,7 +5,7 @@ use std::io;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use eframe::egui::{Align, ComboBox, Grid, Layout, Response, RichText, ScrollArea, Ui};
+use eframe::egui::{Align, ComboBox, DragValue, Grid, Layout, Response, RichText, ScrollArea, Ui};
 use relievo_engine::analysis::{
     Amount, Comparison, ComparisonReport, Task, Version, VolumeSettings, Volumes,
 };
@@ -21,7 +21,7 @@ use crate::window::studio::Studio;
 /// Coarsest spacing to begin with, metres: the data decides.
 const ANY_M: f64 = 1e9;
 
-/// Samples that a step takes at most.
+/// Samples that a step takes at most, unless somebody says how many.
 const MOST_SAMPLES: u64 = 1 << 21;
 
 /// Compiling both versions may hold the window up for so long before they are measured on request only.
@@ -55,6 +55,7 @@ const HINTS: [&str; 8] = [
 struct Wanted {
     a: Version,
     b: Version,
+    samples: u64,
 }
 
 /// A comparison that has been measured.
@@ -67,6 +68,8 @@ pub(super) struct Compared {
 pub(super) struct VolumesPane {
     /// What was chosen; `None`: what the shown scenario suggests.
     chosen: [Option<Version>; 2],
+    /// Samples that a step takes at most.
+    samples: u64,
     /// The question that was asked.
     asked: Option<Wanted>,
     /// Compiling it was noticed.
@@ -78,6 +81,7 @@ impl VolumesPane {
     pub(super) fn new(waker: Waker) -> io::Result<Self> {
         Ok(Self {
             chosen: [None, None],
+            samples: MOST_SAMPLES,
             asked: None,
             is_dear: false,
             measured: Measured::new("relievo-volumes", waker)?,
@@ -111,6 +115,7 @@ impl VolumesPane {
         Wanted {
             a: a.as_ref().filter(is_known).unwrap_or(&before).clone(),
             b: b.as_ref().filter(is_known).unwrap_or(&shown).clone(),
+            samples: self.samples,
         }
     }
 
@@ -128,6 +133,14 @@ impl VolumesPane {
             version(ui, "Version before", project, &wanted.a, first);
             ui.label("to");
             version(ui, "Version after", project, &wanted.b, second);
+            let label = ui.label("Samples");
+            let field = DragValue::new(&mut self.samples)
+                .range(1024..=1_u64 << 32)
+                .speed(1000.0)
+                .update_while_editing(false);
+            ui.add(field).labelled_by(label.id).on_hover_text(
+                "Samples for an element at most, 1024 to 4 294 967 296: more take longer and leave smaller errors",
+            );
             let hint =
                 "Cut, fill, areas and slopes of every element that differs, with their errors";
             if ui.button("Measure").on_hover_text(hint).clicked() {
@@ -313,7 +326,7 @@ impl Studio {
             move |task: &Task| {
                 let comparison = comparison?;
                 let settings = VolumeSettings {
-                    max_samples: MOST_SAMPLES,
+                    max_samples: wanted.samples,
                     threads,
                     ..VolumeSettings::from_spacing(ANY_M)
                 };
