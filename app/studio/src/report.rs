@@ -75,7 +75,9 @@ pub(crate) fn text(
 /// One line.
 pub(crate) fn write_contours(file: &Path, lines: &[ContourLine]) -> Result<(), String> {
     let features = contour_features(lines);
-    let is_package = file.extension().is_some_and(|end| end.eq_ignore_ascii_case("gpkg"));
+    let is_package = file
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("gpkg"));
     let written = if is_package {
         write_geopackage(file, "contours", &features)
     } else {

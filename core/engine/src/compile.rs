@@ -5,8 +5,8 @@
 
 mod colours;
 mod difference;
-mod marks;
 mod heights;
+mod marks;
 mod relief;
 
 use std::collections::{BTreeMap, HashMap};

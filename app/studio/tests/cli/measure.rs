@@ -4,7 +4,11 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::shared::{good, refused};
+use crate::shared::{good, refused, relievo};
+
+fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
 
 /// Rolling hills, and a scenario in which they are twice as high.
 fn hills(folder: &Path) -> String {
@@ -148,8 +152,8 @@ fn sight_and_water_are_summed_up_and_drawn() {
         "-o",
         name,
     ];
-    assert_eq!(json(&good(&asked)), seen);
-    let file = json(&good(&["info", name, "--json"]));
+    assert_eq!(good(&asked).json(), seen);
+    let file = good(&["info", name, "--json"]).json();
     assert!(
         file["crs"].as_str().unwrap().contains("+proj=aeqd"),
         "{file}"
@@ -203,7 +207,7 @@ fn sight_and_water_are_summed_up_and_drawn() {
         name,
     ];
     good(&asked);
-    let file = json(&good(&["info", name, "--json"]));
+    let file = good(&["info", name, "--json"]).json();
     // What is wet: 5 m deep on 0.01 by 0.01 degrees, to a sample.
     for (edge, exact) in [
         ("west", 10.0),
@@ -261,7 +265,7 @@ fn elements_and_their_daylight_lines_are_exported_with_names_and_heights() {
         good(&asked);
         path
     };
-    let read = |path: &Path| json(&std::fs::read_to_string(path).unwrap());
+    let read = |path: &Path| parsed(&std::fs::read_to_string(path).unwrap());
     let found = read(&export("elements", "base.geojson", "base"));
     let features = found["features"].as_array().unwrap();
     let names: Vec<&Value> = features.iter().map(|f| &f["properties"]["name"]).collect();
@@ -299,10 +303,11 @@ fn elements_and_their_daylight_lines_are_exported_with_names_and_heights() {
     );
 
     let package = export("elements", "pad.gpkg", "Pad");
-    let file = json(&good(&["info", package.to_str().unwrap(), "--json"]));
+    let file = good(&["info", package.to_str().unwrap(), "--json"]).json();
     assert_eq!(file["features"], 3, "{file}");
 
-    let (code, _, line) = relievo(&["export", &project, "-o", "x.geojson", "--what", "contours"]);
+    let run = relievo(&["export", &project, "-o", "x.geojson", "--what", "contours"]);
+    let (code, line) = (run.code, run.err);
     assert!(
         code == 2 && line.contains("--bounds and --interval"),
         "{line}"
@@ -323,8 +328,8 @@ fn a_profile_is_a_line_with_heights_too() {
         "--spacing",
         "500",
     ];
-    let sums = json(&good(&[&line[..], &["-o", name]].concat()));
-    let found = json(&std::fs::read_to_string(&path).unwrap());
+    let sums = good(&[&line[..], &["-o", name]].concat()).json();
+    let found = parsed(&std::fs::read_to_string(&path).unwrap());
     let parts = found["features"][0]["geometry"]["coordinates"]
         .as_array()
         .unwrap();
