@@ -10,6 +10,7 @@ use relievo_planet::clipmap::Window;
 use relievo_planet::clipmap::levels::{columns_exponent, reach_rad};
 use relievo_planet::{Grid, LevelKey, MapPoint, TileKey};
 use relievo_project::{Element, LayerId};
+use relievo_raster::Bands;
 use relievo_tiles::Want;
 
 use crate::ClipKind;
@@ -108,7 +109,7 @@ impl Scene {
     /// Finest level n that is worth showing in windows of `size` samples around a focus: some source
     /// as fine as the level reaches into its window. A coarser level shows the same, magnified.
     pub(crate) fn finest_near(&self, focus: MapPoint, size: u32) -> u8 {
-        self.finest_in(u8::MAX, |n| {
+        self.finest_in(None, |n| {
             let level = LevelKey::new(
                 columns_exponent(n, focus.colat_rad, reach_rad(n, size), size),
                 n,
@@ -120,12 +121,14 @@ impl Scene {
         })
     }
 
-    /// Finest level n for which some source as fine as that reaches into a grid of the level; planning
-    /// elements, which are exact, count as no finer than `exact`.
-    pub(crate) fn finest_in(&self, exact: u8, grid_of: impl Fn(u8) -> Grid) -> u8 {
-        let finest = |detail: &Detail| match detail.within {
-            Some(_) => detail.finest.min(exact),
-            None => detail.finest,
+    /// Finest level n for which some source as fine as that reaches into a grid of the level. With
+    /// `heights` only sources of heights count, and planning elements, which are exact, as no finer than
+    /// that level.
+    pub(crate) fn finest_in(&self, heights: Option<u8>, grid_of: impl Fn(u8) -> Grid) -> u8 {
+        let finest = |detail: &Detail| match (heights, &detail.within) {
+            (Some(exact), Some(_)) => detail.finest.min(exact),
+            (Some(_), None) if self.graph.node(detail.node).output() != Bands::Height => 0,
+            _ => detail.finest,
         };
         let reaches = |n: u8, detail: &Detail| {
             let node = detail.node;

@@ -32,7 +32,7 @@ impl Ground for SceneGround<'_> {
         let step_rad = EXACT_M / self.planet.radius_m;
         let rows = core::f64::consts::PI / step_rad / TILE_SAMPLES as f64;
         let exact = libm::ceil(libm::log2(rows)).clamp(0.0, 30.0);
-        self.scene.finest_in(exact as u8, |n| {
+        self.scene.finest_in(Some(exact as u8), |n| {
             let level = area.level(n);
             let lattice = level.lattice();
             let at = |x, y| lattice.sample_from_plane(DVec2::new(x, y));
