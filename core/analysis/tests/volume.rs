@@ -79,6 +79,7 @@ fn plain(spacing_m: f64) -> VolumeSettings {
 }
 
 /// A line of the table in `docs/reports/volumes.md`; tests that pass keep it to themselves.
+#[expect(clippy::print_stdout, reason = "it is asked for with --nocapture")]
 fn tell(what: &str, found: &Volumes, amount: Amount, exact: f64) {
     println!(
         "| {what} | {:.3} m | {} | {:.3} m³ | {:.1e} | {:.1e} |",

@@ -8,7 +8,7 @@ use core::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::{DVec2, I64Vec2};
-use relievo_analysis::{ContourLine, Flood, MapBox, Sight, Viewshed};
+use relievo_analysis::{ContourLine, MapBox, Sight, Viewshed};
 use relievo_graph::ImageNode;
 use relievo_graph::nodes::{Memory, Vector};
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
@@ -67,20 +67,21 @@ impl Mark {
         }
     }
 
-    /// A body of water with its shore, in two colours.
+    /// A body of water that ends at a shore (rings as in [`Flood`](relievo_analysis::Flood)), in the
+    /// colours of both.
     ///
     /// # Errors
     /// One line where the shore has more vertices than can be drawn.
     pub fn of_flood(
-        found: &Flood,
+        shore: &[ContourLine],
         planet: Planet,
         water: Colour,
-        shore: Colour,
+        line: Colour,
     ) -> Result<Self, String> {
         let mut features = Builder::degrees();
         // Around the water, then around its islands.
         for is_hole in [false, true] {
-            let rings = found.shore.iter().filter(|ring| is_island(ring) == is_hole);
+            let rings = shore.iter().filter(|ring| is_island(ring) == is_hole);
             for ring in rings {
                 features.ring(degrees(ring), is_hole)?;
             }
@@ -88,7 +89,7 @@ impl Mark {
         features.feature()?;
         let style = Style {
             fill: Some(water),
-            stroke: Some(shore),
+            stroke: Some(line),
             stroke_width: Some(Length::Pixels(1.5)),
             ..Style::default()
         };
@@ -189,7 +190,7 @@ mod tests {
     use super::*;
 
     /// Water all around an island; longitudes and latitudes in degrees.
-    fn flood() -> Flood {
+    fn shore() -> Vec<ContourLine> {
         let ring = |points: &[[f64; 2]]| ContourLine {
             height_m: 0.0,
             points: points
@@ -201,16 +202,7 @@ mod tests {
         // Clockwise around the water, across the antimeridian, counter-clockwise around the island.
         let shore = ring(&[[179.0, -1.0], [179.0, 1.0], [181.0, 1.0], [181.0, -1.0]]);
         let island = ring(&[[179.8, -0.2], [180.2, -0.2], [180.2, 0.2], [179.8, 0.2]]);
-        Flood {
-            level_m: 0.0,
-            area_m2: 1.0,
-            volume_m3: 1.0,
-            deepest_m: 1.0,
-            shore: vec![island, shore],
-            shore_m: 1.0,
-            spacing_m: 1.0,
-            wet_samples: 1,
-        }
+        vec![island, shore]
     }
 
     /// The alpha of a mark at a place.
@@ -233,7 +225,7 @@ mod tests {
 
     #[test]
     fn water_is_drawn_up_to_its_shore_and_not_on_islands() {
-        let mark = Mark::of_flood(&flood(), Planet::EARTH, [0.0, 0.0, 1.0, 0.5], [0.0; 4]).unwrap();
+        let mark = Mark::of_flood(&shore(), Planet::EARTH, [0.0, 0.0, 1.0, 0.5], [0.0; 4]).unwrap();
         for (lon, lat, water) in [
             (179.4, 0.0, true),
             (-179.4, 0.5, true),

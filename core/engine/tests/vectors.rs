@@ -208,10 +208,10 @@ fn a_text_stands_on_the_roof_of_its_body() {
     converge(&mut engine);
     let place = |engine: &Engine| engine.labels(&view(8.5))[0].centre_px.x - 200.0;
     let flat = place(&engine);
-    let mut style = match &engine.project().layers[0].kind {
-        LayerKind::Vector(vector) => vector.style.clone(),
-        other => panic!("expected features, found {}", other.name()),
+    let LayerKind::Vector(vector) = &engine.project().layers[0].kind else {
+        panic!("expected features");
     };
+    let mut style = vector.style.clone();
     style.extrude = Some(Extrude::HeightM(100_000.0));
     let edit = Edit::SetVectorStyle {
         id: LayerId::from("zones"),

@@ -141,7 +141,7 @@ fn ground_m(engine: &mut Engine, at: MapPoint, context: &Context) -> f64 {
         return 0.0;
     }
     engine.wait_for_sources();
-    let place = engine.questions().place(at, &context.cancel);
+    let place = engine.questions().place(at, context.cancel);
     place.map_or(0.0, |p| p.height_m)
 }
 

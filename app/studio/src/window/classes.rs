@@ -198,7 +198,7 @@ fn short(value: f64) -> String {
 fn hue(at: usize) -> [u8; 3] {
     let turn = (0.58 + HUE_STEP * at as f64).fract() as f32;
     // Every second round is darker.
-    let value = if at % 2 == 0 { 0.85 } else { 0.68 };
+    let value = if at.is_multiple_of(2) { 0.85 } else { 0.68 };
     let [r, g, b] = eframe::egui::ecolor::Hsva::new(turn, 0.55, value, 1.0).to_srgb();
     [r, g, b]
 }

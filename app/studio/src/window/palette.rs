@@ -51,14 +51,16 @@ pub(crate) struct Offer {
 impl Palette {
     /// An empty one, or with what was typed since its keys in the same slow frame.
     pub(crate) fn opened(ctx: &egui::Context) -> Self {
-        let text = |event: &Event| match event {
-            Event::Text(text) => Some(text.clone()),
-            _ => None,
-        };
-        let typed = match ctx.text_edit_focused() {
-            true => String::new(),
-            false => ctx.input(|i| i.events.iter().filter_map(text).collect()),
-        };
+        let mut typed = String::new();
+        if !ctx.text_edit_focused() {
+            ctx.input(|i| {
+                for event in &i.events {
+                    if let Event::Text(text) = event {
+                        typed.push_str(text);
+                    }
+                }
+            });
+        }
         Self { typed, chosen: 0 }
     }
 

@@ -149,14 +149,18 @@ pub(crate) fn least_vertices(is_ring: bool) -> usize {
 
 /// Where the main button was let go in this frame. In a slow frame the pointer may have gone on since.
 pub(in crate::window) fn released_at(ui: &Ui) -> Option<Pos2> {
-    let released = |event: &Event| match event {
-        Event::PointerButton {
+    let released = |event: &Event| {
+        if let Event::PointerButton {
             pos,
             button: PointerButton::Primary,
             pressed: false,
             ..
-        } => Some(*pos),
-        _ => None,
+        } = event
+        {
+            Some(*pos)
+        } else {
+            None
+        }
     };
     ui.input(|i| i.events.iter().rev().find_map(released))
 }

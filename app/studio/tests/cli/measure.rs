@@ -106,7 +106,7 @@ fn contours_are_geojson_at_whole_intervals() {
 }
 
 #[test]
-fn sight_and_water_are_summed_up_and_drawn() {
+fn sight_is_summed_up_and_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let project = hills(folder.path());
     let picture = folder.path().join("seen.png");
@@ -162,7 +162,12 @@ fn sight_and_water_are_summed_up_and_drawn() {
         (&file["width"], &file["extent"]["west"]),
         (&Value::from(41), &Value::from(-2050.0))
     );
+}
 
+#[test]
+fn water_is_summed_up_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = hills(folder.path());
     let basin = basin(folder.path());
     let shore = folder.path().join("shore.geojson");
     let wet = good(&[

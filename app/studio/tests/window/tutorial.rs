@@ -130,13 +130,13 @@ impl Tour {
 }
 
 fn platform_height_m(element: &Element) -> f64 {
-    match &element.kind {
-        ElementKind::Polygon(polygon) => match polygon.surface.kind {
-            SurfaceKind::Platform { height_m } => height_m,
-            _ => panic!("expected a platform"),
-        },
-        _ => panic!("expected a polygon"),
-    }
+    let ElementKind::Polygon(polygon) = &element.kind else {
+        panic!("expected a polygon");
+    };
+    let SurfaceKind::Platform { height_m } = polygon.surface.kind else {
+        panic!("expected a platform");
+    };
+    height_m
 }
 
 #[test]

@@ -191,7 +191,7 @@ impl Studio {
                     deepest_m: found.deepest_m,
                     shore_m: found.shore_m,
                     spacing_m: found.spacing_m,
-                    mark: Mark::of_flood(&found, planet, WATER, SHORE)?,
+                    mark: Mark::of_flood(&found.shore, planet, WATER, SHORE)?,
                 })
             }
         });
