@@ -116,7 +116,7 @@ fn an_offer_that_nobody_answers_is_made_again_whatever_is_done_meanwhile() {
     // Edits and a save of later runs do not take the offer away.
     for save in [false, true] {
         let (mut engine, guarded) = open(&path);
-        assert_eq!(guarded.offer.unwrap().edits(), [add.clone()]);
+        assert_eq!(guarded.offer.unwrap().edits(), std::slice::from_ref(&add));
         engine.apply(add.clone()).unwrap();
         engine.apply(opacity(0.5)).unwrap();
         if save {
