@@ -98,7 +98,7 @@ pub(crate) fn number(
         ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDTH - 12.0).max(40.0);
         let mut new = value;
         let mut slider = Slider::new(&mut new, number.range.clone())
-            .clamping(SliderClamping::Always)
+            .clamping(SliderClamping::Edits)
             .logarithmic(number.logarithmic)
             .suffix(number.unit)
             .max_decimals(number.decimals)

@@ -24,6 +24,24 @@ fn the_eye_hides_and_shows_a_layer() {
 }
 
 #[test]
+fn values_beyond_the_ends_of_their_sliders_are_shown_and_left_alone() {
+    let odd = PROJECT
+        .replace("900.0", "1e-6")
+        .replace("500000.0", "123.456789012")
+        .replace("\"height_m\": 0.0", "\"height_m\": 0.123456789");
+    let mut window = Window::open(&odd);
+    for layer in ["Hills", "High tint", "Low tint"] {
+        window
+            .harness
+            .get_by_role_and_label(Role::ListBoxOption, layer)
+            .click();
+        window.steps();
+    }
+    assert!(!window.harness.state().document().is_changed());
+    assert_eq!(window.undo_label(), None);
+}
+
+#[test]
 fn a_whole_drag_of_a_slider_is_one_undo_step() {
     let mut window = Window::open(PROJECT);
     let slider = window

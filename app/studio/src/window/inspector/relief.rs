@@ -112,6 +112,7 @@ fn stop(
     let mut typed = slope;
     let field = DragValue::new(&mut typed)
         .range(range)
+        .clamp_existing_to_range(false)
         .speed(0.2)
         .max_decimals(2)
         .suffix(suffix)
@@ -133,6 +134,7 @@ fn stop(
     let mut typed = percent;
     let field = DragValue::new(&mut typed)
         .range(0.0..=100.0)
+        .clamp_existing_to_range(false)
         .max_decimals(0)
         .suffix(" %")
         .update_while_editing(false);

@@ -88,6 +88,7 @@ fn stop(
     let mut height_m = shown.height_m;
     let field = DragValue::new(&mut height_m)
         .range(below..=above.max(below))
+        .clamp_existing_to_range(false)
         .speed(10.0)
         .suffix(" m")
         .update_while_editing(false);

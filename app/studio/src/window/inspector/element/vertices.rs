@@ -128,6 +128,7 @@ fn row(
         let mut new = value;
         let drag = DragValue::new(&mut new)
             .range(field.range.clone())
+            .clamp_existing_to_range(false)
             .speed(field.speed)
             .max_decimals(field.decimals)
             .suffix(field.unit)
