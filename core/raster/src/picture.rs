@@ -244,31 +244,39 @@ impl Picture {
     /// The decoded picture.
     fn pixels(&self) -> Result<&DynamicImage, ReadError> {
         let path = &self.info.path;
+        let refused = |error| match decode_error(error, self.format, path) {
+            OpenError::Io { reason, path } => ReadError::Io { reason, path },
+            OpenError::Damaged {
+                format,
+                reason,
+                path,
+            } => ReadError::Damaged {
+                format,
+                reason,
+                path,
+            },
+            other @ (OpenError::UnknownFormat { .. }
+            | OpenError::Unsupported { .. }
+            | OpenError::Companion { .. }
+            | OpenError::Options { .. }
+            | OpenError::Pyramid { .. }
+            | OpenError::Cancelled { .. }) => ReadError::Damaged {
+                format: self.format.name(),
+                reason: other.to_string(),
+                path: path.clone(),
+            },
+        };
         let decode = || {
-            decoder(path, self.format)
-                .and_then(DynamicImage::from_decoder)
-                .map_err(|error| match decode_error(error, self.format, path) {
-                    OpenError::Io { reason, path } => ReadError::Io { reason, path },
-                    OpenError::Damaged {
-                        format,
-                        reason,
-                        path,
-                    } => ReadError::Damaged {
-                        format,
-                        reason,
-                        path,
-                    },
-                    other @ (OpenError::UnknownFormat { .. }
-                    | OpenError::Unsupported { .. }
-                    | OpenError::Companion { .. }
-                    | OpenError::Options { .. }
-                    | OpenError::Pyramid { .. }
-                    | OpenError::Cancelled { .. }) => ReadError::Damaged {
-                        format: self.format.name(),
-                        reason: other.to_string(),
-                        path: path.clone(),
-                    },
-                })
+            let decoder = decoder(path, self.format).map_err(refused)?;
+            // The library takes its room without asking whether there is any.
+            let bytes = decoder.total_bytes();
+            if Vec::<u8>::new().try_reserve_exact(bytes as usize).is_err() {
+                return Err(ReadError::Io {
+                    reason: format!("there is no memory for its {} MiB of pixels", bytes >> 20),
+                    path: path.clone(),
+                });
+            }
+            DynamicImage::from_decoder(decoder).map_err(refused)
         };
         // What was read while another program wrote belongs to neither of the contents.
         let unchanged = |read: Result<DynamicImage, ReadError>| match content_hash(path) {
