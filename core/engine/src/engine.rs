@@ -32,6 +32,7 @@ pub use self::options::{
     DEFAULT_DISK_CACHE_BYTES, EngineOptions, EngineStats, Kept, OpenError, default_cache_folder,
     default_state_folder, folder_of,
 };
+pub(crate) use self::picture::{air, sun};
 use self::planning::PlanQuery;
 use self::tally::Tally;
 pub use self::tally::{Made, NodeReport};

@@ -48,7 +48,7 @@ impl Engine {
 
 /// Density of a body's air at the datum relative to Earth's. Mars has 1.6 % of Earth's, but its dust
 /// makes the sky twice as bright as so much clear air would.
-fn air(body: Body) -> f32 {
+pub(crate) fn air(body: Body) -> f32 {
     match body {
         Body::Earth | Body::Custom(_) => 1.0,
         Body::Mars => 0.03,
@@ -57,7 +57,7 @@ fn air(body: Body) -> f32 {
 }
 
 /// Direction and strength of the light: azimuth and elevation hold at the anchor.
-fn sun(project: &Project, camera: &Camera) -> Sun {
+pub(crate) fn sun(project: &Project, camera: &Camera) -> Sun {
     let settings = &project.sun;
     let at = match settings.anchor {
         relievo_project::SunAnchor::Viewer => MapPoint::new(
