@@ -116,7 +116,11 @@ fn a_cone_is_met_where_the_ray_meets_the_cone_and_its_ridge_hides_what_is_behind
         ((RADIUS_M + apex_m) / (c + slope * s) - RADIUS_M).clamp(-5e4, 5e4)
     });
     let stage = stage(camera((-60.0, -30.05), 2000.0, 0.0, -12.0));
-    let found = hits(&field, &stage, &settings([32, 24]));
+    let settings = ReferenceSettings {
+        samples_per_pixel: 12.0,
+        ..settings([32, 24])
+    };
+    let found = hits(&field, &stage, &settings);
     let eye = stage.camera.eye(&stage.planet);
     let cone = |d: DVec3| on_cone(eye, d, axis, apex_m, slope);
     // Far down the cone is deeper than the formula goes.
@@ -127,7 +131,7 @@ fn a_cone_is_met_where_the_ray_meets_the_cone_and_its_ridge_hides_what_is_behind
     assert!(near.iter().filter(|(d, _)| cone(*d).is_some()).count() > 200);
     let exact: Vec<_> = near.iter().filter(|(d, _)| cone(*d).is_some()).copied().collect();
     let (worst, odd) = worst(&exact, cone);
-    assert!(worst < 2e-4, "{worst}");
+    assert!(worst < 3e-4, "{worst}");
     // At most rays that graze the outline.
     assert!(odd <= 1, "{odd}");
 }
@@ -167,7 +171,7 @@ fn halving_the_spacing_brings_distances_nearer_to_the_closed_form() {
     let error = |samples_per_pixel: f64| {
         let settings = ReferenceSettings {
             samples_per_pixel,
-            ..settings([12, 9])
+            ..settings([10, 8])
         };
         let found = hits(&field, &stage, &settings);
         let errors: Vec<f64> = found
@@ -176,11 +180,11 @@ fn halving_the_spacing_brings_distances_nearer_to_the_closed_form() {
             .collect();
         errors.iter().sum::<f64>() / errors.len() as f64
     };
-    let errors = [0.25, 0.5, 1.0, 2.0].map(error);
+    let errors = [0.5, 1.0, 2.0, 4.0].map(error);
     for pair in errors.windows(2) {
         assert!(pair[1] < 0.5 * pair[0], "{errors:?}");
     }
-    assert!(errors[3] < 1e-4, "{errors:?}");
+    assert!(errors[3] < 4e-4, "{errors:?}");
 }
 
 #[test]
@@ -209,14 +213,15 @@ fn a_picture_is_the_same_for_any_number_of_threads_and_any_memory() {
             threads,
             memory,
             rays: 2,
-            ..settings([40, 30])
+            samples_per_pixel: 1.0,
+            ..settings([32, 18])
         };
         let raster = raster(&settings);
         picture(&field, &stage, &settings, &raster, &Task::quiet(&cancel)).expect("formulas")
     };
     let one = draw(1, 1 << 28);
     assert!(one.iter().any(|p| p[0] != one[0][0]), "the picture shows something");
-    assert!(one == draw(4, 1 << 28) && one == draw(3, 0));
+    assert!(one == draw(4, 1 << 28) && one == draw(3, 4 << 20));
 }
 
 #[test]

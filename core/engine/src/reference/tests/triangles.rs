@@ -55,7 +55,7 @@ fn marching_and_exact_intersections_with_triangles_agree_ever_better_with_finer_
         // So fine a pixel that every distance asks for the finest level.
         let settings = ReferenceSettings {
             samples_per_pixel: 128.0,
-            ..settings([12, 12])
+            ..settings([8, 8])
         };
         let columns = Levels::new(RADIUS_M, finest).spot(finest, place).key.level;
         let triangles = triangles(&field, columns, place, cells);
