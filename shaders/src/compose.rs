@@ -24,17 +24,20 @@ pub enum Entry {
     Blit,
     /// `measure`, `choose`: evaluate the map transform and the choice of levels (compute).
     Measure,
+    /// `forms`: evaluates any form of the map transform (compute).
+    Forms,
 }
 
 impl Entry {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Displace,
         Self::Terrain,
         Self::Sky,
         Self::Masses,
         Self::Blit,
         Self::Measure,
+        Self::Forms,
     ];
 
     /// The file's stem, for labels.
@@ -46,6 +49,7 @@ impl Entry {
             Self::Masses => "masses",
             Self::Blit => "blit",
             Self::Measure => "measure",
+            Self::Forms => "forms",
         }
     }
 
@@ -57,14 +61,16 @@ impl Entry {
             Self::Masses => include_str!("../wgsl/masses.wgsl"),
             Self::Blit => include_str!("../wgsl/blit.wgsl"),
             Self::Measure => include_str!("../wgsl/measure.wgsl"),
+            Self::Forms => include_str!("../wgsl/forms.wgsl"),
         }
     }
 }
 
 /// The libraries that `#import` knows.
-const LIBRARIES: [(&str, &str); 5] = [
+const LIBRARIES: [(&str, &str); 6] = [
     ("lib/frame", include_str!("../wgsl/lib/frame.wgsl")),
     ("lib/transform", include_str!("../wgsl/lib/transform.wgsl")),
+    ("lib/classic", include_str!("../wgsl/lib/classic.wgsl")),
     ("lib/clipmap", include_str!("../wgsl/lib/clipmap.wgsl")),
     ("lib/light", include_str!("../wgsl/lib/light.wgsl")),
     ("lib/sky", include_str!("../wgsl/lib/sky.wgsl")),

@@ -127,6 +127,26 @@ pub struct MeasureInput {
     pub levels: u32,
 }
 
+/// `FormsInput` of `forms.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FormsInput {
+    /// (sin, cos) of the focus' colatitude.
+    pub sin_cos_colat: [f32; 2],
+    /// The colatitude, radians.
+    pub colat_rad: f32,
+    /// \[CH06\]'s distortion of longitudes there.
+    pub distortion: f32,
+    /// Number of queries.
+    pub count: u32,
+    /// How often each is answered.
+    pub repeats: u32,
+    /// 0, which the compiler cannot know.
+    pub zero: f32,
+    /// Nothing.
+    pub padding: f32,
+}
+
 /// A vertex of the static rings as displacement reads it and the terrain pass interpolates it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

@@ -2,7 +2,9 @@
 
 use core::mem::offset_of;
 
-use relievo_shaders::layout::{DisplaceRange, FrameUniform, LevelUniform, MassPlace, MeasureInput};
+use relievo_shaders::layout::{
+    DisplaceRange, FormsInput, FrameUniform, LevelUniform, MassPlace, MeasureInput,
+};
 use relievo_shaders::{Entry, compose};
 
 type Members = (Vec<(String, usize)>, usize);
@@ -93,6 +95,25 @@ fn the_small_uniforms_have_the_offsets_wgsl_gives_them() {
         levels
     });
     assert_eq!(naga_members(Entry::Measure, "MeasureInput"), rust);
+    // The focus is a struct of its own there.
+    let focus: Members = (
+        members!(FormsInput {
+            sin_cos_colat,
+            colat_rad,
+            distortion
+        })
+        .0,
+        offset_of!(FormsInput, count),
+    );
+    assert_eq!(naga_members(Entry::Forms, "ClassicFocus"), focus);
+    let (rest, size): Members = members!(FormsInput {
+        count,
+        repeats,
+        zero,
+        padding
+    });
+    let (wgsl, wgsl_size) = naga_members(Entry::Forms, "FormsInput");
+    assert_eq!((&wgsl[1..], wgsl_size), (&rest[..], size));
     let rust: Members = members!(MassPlace {
         focus_from_world_x,
         focus_from_world_y,

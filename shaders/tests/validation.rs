@@ -2,15 +2,20 @@
 
 use naga::back::PipelineConstants;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use relievo_planet::transform::forms::Form;
 use relievo_shaders::{Entry, compose};
 
 /// The overrides that a pass sets, all combinations.
 fn specialisations(entry: Entry) -> Vec<PipelineConstants> {
+    if entry == Entry::Forms {
+        let number = |k| PipelineConstants::from_iter([("FORM".to_owned(), f64::from(k))]);
+        return (0..Form::ALL.len() as u32).map(number).collect();
+    }
     let switches: &[&str] = match entry {
         Entry::Terrain => &["HAS_COLOUR", "HAS_NORMALS", "HAS_HAZE"],
         Entry::Sky | Entry::Masses => &["HAS_HAZE"],
         Entry::Blit => &["TARGET_ENCODES"],
-        Entry::Displace | Entry::Measure => &[],
+        Entry::Displace | Entry::Measure | Entry::Forms => &[],
     };
     (0..1_u32 << switches.len())
         .map(|bits| {

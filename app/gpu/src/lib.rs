@@ -14,6 +14,7 @@ pub mod blit;
 pub mod clipmap_textures;
 pub mod device;
 pub mod displace;
+pub mod forms;
 pub mod frame_group;
 pub mod masses;
 pub mod measure;

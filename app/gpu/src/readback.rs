@@ -105,13 +105,18 @@ fn staging(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
     })
 }
 
+/// Waits until all that was submitted is done.
+pub(crate) fn wait(device: &wgpu::Device) -> Result<(), ReadError> {
+    let done = device.poll(wgpu::PollType::wait_indefinitely());
+    // The only other reason, a time that ran out, was not given.
+    done.map(|_| ()).or(Err(ReadError::DeviceLost))
+}
+
 /// Waits for a buffer and copies it.
 fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, ReadError> {
     // A buffer that cannot be mapped says so below.
     buffer.map_async(wgpu::MapMode::Read, .., |_| {});
-    if device.poll(wgpu::PollType::wait_indefinitely()).is_err() {
-        return Err(ReadError::DeviceLost);
-    }
+    wait(device)?;
     let Ok(bytes) = buffer.get_mapped_range(..) else {
         return Err(ReadError::DeviceLost);
     };

@@ -16,6 +16,8 @@ mod new;
 mod progress;
 mod project;
 mod render;
+#[cfg(feature = "report")]
+mod report;
 mod sample;
 mod scenario;
 mod schema;
@@ -74,6 +76,8 @@ enum Command {
     Contours(measure::contours::Arguments),
     Viewshed(measure::viewshed::Arguments),
     Flood(measure::flood::Arguments),
+    #[cfg(feature = "report")]
+    Report(report::Arguments),
     Schema(schema::Arguments),
 }
 
@@ -211,6 +215,8 @@ fn carry_out(
         (None, Some(Command::Contours(a))) => measure::contours::run(&a, context),
         (None, Some(Command::Viewshed(a))) => measure::viewshed::run(&a, context),
         (None, Some(Command::Flood(a))) => measure::flood::run(&a, context),
+        #[cfg(feature = "report")]
+        (None, Some(Command::Report(a))) => report::run(&a, context),
         (None, Some(Command::Schema(a))) => schema::run(&a, context),
     }
 }

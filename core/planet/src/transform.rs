@@ -10,6 +10,7 @@
 //! no finite input gives NaN. Absent: windows and texture scales; see `clipmap`.
 
 pub mod classic;
+pub mod forms;
 
 use glam::{DVec2, Vec2};
 
@@ -121,6 +122,12 @@ pub fn map_delta_f64(vertex: RingVertex, sin_colat: f64, cos_colat: f64) -> DVec
 ///
 /// Twin: `map_delta` in WGSL, same names and order.
 pub fn map_delta_f32(vertex: [f32; 3], sin_cos_colat: Vec2) -> Vec2 {
+    map_delta_with(vertex, sin_cos_colat, atan2_poly)
+}
+
+/// [`map_delta_f32`] with any arc tangent of (y, x).
+#[inline]
+fn map_delta_with(vertex: [f32; 3], sin_cos_colat: Vec2, atan2: impl Fn(f32, f32) -> f32) -> Vec2 {
     let [u, v, one_minus_w] = vertex;
     let s = sin_cos_colat.x;
     let c = sin_cos_colat.y;
@@ -133,7 +140,7 @@ pub fn map_delta_f32(vertex: [f32; 3], sin_cos_colat: Vec2) -> Vec2 {
     } else {
         rho - px
     };
-    Vec2::new(atan2_poly(v, px), atan2_poly(u + c * d, rho * s + pz * c))
+    Vec2::new(atan2(v, px), atan2(u + c * d, rho * s + pz * c))
 }
 
 /// Coefficients of [`atan_poly`] in powers of t², lowest first: minimax on 0 ≤ t ≤ 1.

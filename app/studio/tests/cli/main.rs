@@ -5,4 +5,6 @@
 mod commands;
 mod measure;
 mod outputs;
+#[cfg(feature = "report")]
+mod report;
 mod shared;
