@@ -3,7 +3,7 @@
 //! An element that an edit leaves alone is shared by all revisions and scenarios that hold it, and so is
 //! what was prepared for it: a drag prepares the one element that it changes.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 
 use parking_lot::Mutex;
@@ -20,6 +20,9 @@ use relievo_project::{
 /// that are compared.
 const KEPT_FOR: u64 = 16;
 
+/// Nodes of other lists that are kept.
+const NODES_KEPT: usize = 4;
+
 /// Elements that were prepared.
 #[derive(Default)]
 pub(crate) struct ElementCache {
@@ -31,9 +34,26 @@ pub(crate) struct ElementCache {
 struct Kept {
     /// By the element's address, which stays its own while it is kept here.
     placed: HashMap<usize, Placed>,
-    /// The last plan's.
-    node: Option<Arc<Earthwork>>,
+    /// Those of the last plans, the latest first: scenarios that are switched to and fro cost nothing.
+    nodes: VecDeque<Arc<Earthwork>>,
     clock: u64,
+}
+
+impl Kept {
+    fn node(&mut self, planet: Planet, placed: Vec<Arc<PlacedElement>>) -> Arc<Earthwork> {
+        let same = self.nodes.iter().position(|n| n.is_of(planet, &placed));
+        let node = match (
+            same.and_then(|at| self.nodes.remove(at)),
+            self.nodes.front(),
+        ) {
+            (Some(same), _) => same,
+            (None, Some(latest)) => Arc::new(latest.following(planet, placed)),
+            (None, None) => Arc::new(Earthwork::new(planet, placed)),
+        };
+        self.nodes.push_front(Arc::clone(&node));
+        self.nodes.truncate(NODES_KEPT);
+        node
+    }
 }
 
 struct Placed {
@@ -110,12 +130,7 @@ impl ElementCache {
         }
         kept.placed.retain(|_, p| p.used + KEPT_FOR > now);
         let placed: Vec<_> = plan.placed.iter().map(|(_, p)| Arc::clone(p)).collect();
-        let before = kept.node.take();
-        plan.node = (!placed.is_empty()).then(|| match before {
-            Some(before) => Earthwork::following(&before, planet, placed),
-            None => Arc::new(Earthwork::new(planet, placed)),
-        });
-        kept.node.clone_from(&plan.node);
+        plan.node = (!placed.is_empty()).then(|| kept.node(planet, placed));
         plan
     }
 }

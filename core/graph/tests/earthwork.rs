@@ -9,7 +9,9 @@ use relievo_earthwork::{
     Tool, Vertex,
 };
 use relievo_graph::nodes::{Constant, Earthwork, Memory, PlacedElement};
-use relievo_graph::{Artefacts, ContentId, Graph, GraphBuilder, NodeIndex};
+use relievo_graph::{
+    Artefacts, ContentId, Graph, GraphBuilder, IdHasher, ImageNode as _, NodeIndex,
+};
 use relievo_planet::{Grid, GridCrs, Lattice, LevelKey, MapPoint, Planet, SampleRect, TileKey};
 use relievo_raster::{Bands, Block, Cancel, SampleType};
 
@@ -408,20 +410,26 @@ fn what_follows_another_list_is_reached_as_a_new_one_is() {
         let height_m = dice.within(0.0, 20.0);
         place(square(&frame, x, y, 20.0, Surface::Platform { height_m }))
     };
+    let name = |node: &Earthwork, grid: &Grid| {
+        let mut id = IdHasher::default();
+        node.identify(grid, &mut id);
+        id.finish()
+    };
     let mut list: Vec<_> = (0..150).map(|_| pad()).collect();
-    let mut node = Arc::new(Earthwork::new(Planet::EARTH, list.clone()));
-    for step in 0..15 {
-        match step % 5 {
+    let mut node = Earthwork::new(Planet::EARTH, list.clone());
+    for step in 0..24 {
+        match step % 8 {
             0 => list.truncate(list.len() - 1),
             1 => list.push(pad()),
             2 => list.iter_mut().take(80).for_each(|e| *e = pad()),
+            3 => drop(list.remove(step)),
+            4 => list.insert(step, pad()),
+            5 => list[10..60].rotate_left(step),
             _ => list[step * 3] = pad(),
         }
-        let before = Arc::clone(&node);
-        node = Earthwork::following(&node, Planet::EARTH, list.clone());
-        assert!(!Arc::ptr_eq(&before, &node));
-        let same = Earthwork::following(&node, Planet::EARTH, list.clone());
-        assert!(Arc::ptr_eq(&node, &same));
+        assert!(!node.is_of(Planet::EARTH, &list));
+        node = node.following(Planet::EARTH, list.clone());
+        assert!(node.is_of(Planet::EARTH, &list));
         let fresh = Earthwork::new(Planet::EARTH, list.clone());
         for n in 12..16 {
             let level = LevelKey::new(n, n);
@@ -429,6 +437,7 @@ fn what_follows_another_list_is_reached_as_a_new_one_is() {
             let rect = SampleRect::at(middle.x - 20, middle.y - 30, 40, 60);
             let grid = Grid::new(Arc::new(level.lattice()), rect);
             assert_eq!(node.touching(&grid), fresh.touching(&grid));
+            assert_eq!(name(&node, &grid), name(&fresh, &grid));
         }
     }
 }

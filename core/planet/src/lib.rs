@@ -14,6 +14,7 @@
 pub mod camera;
 pub mod clipmap;
 pub mod ellipsoid;
+pub mod grid_memory;
 pub mod lattice;
 pub mod map;
 pub mod rect;
@@ -22,6 +23,7 @@ pub mod transform;
 
 pub use camera::Camera;
 pub use ellipsoid::Planet;
+pub use grid_memory::GridMemory;
 pub use lattice::{Grid, GridCrs, Lattice};
 pub use map::MapPoint;
 pub use rect::SampleRect;

@@ -4,10 +4,7 @@ mod ground_shape;
 mod reach;
 mod reaches;
 
-use std::collections::VecDeque;
 use std::sync::Arc;
-
-use parking_lot::Mutex;
 
 use relievo_earthwork::{Design, Outcome, Prepared, Samples, Shaped};
 use relievo_planet::{Grid, GridCrs, MapPoint, Planet, SampleRect};
@@ -17,7 +14,7 @@ use super::ground::Ground;
 use crate::node::{Artefact, Made};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 use ground_shape::GroundShape;
-use reaches::Reaches;
+use reaches::{Reaches, Touching};
 
 const KIND: &str = "earthwork";
 
@@ -58,44 +55,40 @@ impl PlacedElement {
 pub struct Earthwork {
     planet: Planet,
     elements: Vec<Arc<PlacedElement>>,
-    index: Reaches,
-    /// What touches the grids that were asked about last: each is asked about several times.
-    asked: Mutex<VecDeque<(Grid, Arc<[u32]>)>>,
+    reaches: Reaches,
 }
-
-/// Grids whose elements are remembered.
-const REMEMBERED: usize = 8;
 
 impl Earthwork {
     /// The elements in the order of their list: later ones win.
     pub fn new(planet: Planet, elements: Vec<Arc<PlacedElement>>) -> Self {
         Self {
             planet,
-            index: Reaches::new(&elements),
+            reaches: Reaches::new(&elements),
             elements,
-            asked: Mutex::default(),
         }
     }
 
-    /// [`Self::new`], but what `before` knows of elements that both have costs nothing again: a drag
-    /// costs what the dragged element does, whatever else there is.
-    pub fn following(
-        before: &Arc<Self>,
-        planet: Planet,
-        elements: Vec<Arc<PlacedElement>>,
-    ) -> Arc<Self> {
-        let pairs = before.elements.iter().zip(&elements);
-        let same = before.elements.len() == elements.len()
-            && pairs.fold(true, |same, (a, b)| same & Arc::ptr_eq(a, b));
-        if same && before.planet == planet {
-            return Arc::clone(before);
-        }
-        Arc::new(Self {
+    /// The same with another list. What is known of elements that both have costs nothing again: a
+    /// drag costs what the dragged element does, whatever else there is.
+    pub fn following(&self, planet: Planet, elements: Vec<Arc<PlacedElement>>) -> Self {
+        let reaches = if self.planet == planet {
+            self.reaches.follow(&elements)
+        } else {
+            Reaches::new(&elements)
+        };
+        Self {
             planet,
-            index: before.index.follow(&elements),
+            reaches,
             elements,
-            asked: Mutex::default(),
-        })
+        }
+    }
+
+    /// Whether it has these very elements on this planet.
+    pub fn is_of(&self, planet: Planet, elements: &[Arc<PlacedElement>]) -> bool {
+        let pairs = self.elements.iter().zip(elements);
+        self.planet == planet
+            && self.elements.len() == elements.len()
+            && pairs.fold(true, |same, (a, b)| same & Arc::ptr_eq(a, b))
     }
 
     /// The elements.
@@ -105,39 +98,16 @@ impl Earthwork {
 
     /// Positions in the list of those that may change samples of a grid.
     pub fn touching(&self, grid: &Grid) -> Arc<[u32]> {
-        if self.elements.is_empty() || grid.rect.is_empty() {
-            return Arc::default();
-        }
-        let known = self.asked.lock();
-        if let Some((_, found)) = known.iter().find(|(g, _)| g == grid) {
-            return Arc::clone(found);
-        }
-        drop(known);
-        let found: Arc<[u32]> = self.find(grid).into();
-        let mut asked = self.asked.lock();
-        asked.truncate(REMEMBERED - 1);
-        asked.push_front((grid.clone(), Arc::clone(&found)));
-        found
+        self.found(grid).map_or_else(Arc::default, |t| t.positions)
     }
 
-    fn find(&self, grid: &Grid) -> Vec<u32> {
+    fn found(&self, grid: &Grid) -> Option<Touching> {
+        if self.elements.is_empty() || grid.rect.is_empty() {
+            return None;
+        }
         // A plane that shows no place has no spacing, and nothing is left out there.
         let spacing_m = self.spacing_m(grid).unwrap_or(0.0);
-        // Elements narrower than two samples also act on samples next to them.
-        let rects = reach::map_rects(&grid.with_rect(grid.rect.grow(1)));
-        let mut found: Vec<u32> = rects
-            .iter()
-            .flat_map(|rect| {
-                let near = self.index.touching(rect, &self.elements).into_iter();
-                near.filter(|i| {
-                    let prepared = &self.elements[*i as usize].prepared;
-                    prepared.matters_at(spacing_m) && prepared.touches(rect)
-                })
-            })
-            .collect();
-        found.sort_unstable();
-        found.dedup();
-        found
+        Some(self.reaches.touching(grid, spacing_m, &self.elements))
     }
 
     /// Whether no element may change a sample of a grid.
@@ -247,10 +217,8 @@ impl ImageNode for Earthwork {
         id.float(self.planet.equatorial_radius_m)
             .float(self.planet.flattening)
             .grid(grid);
-        let touching = self.touching(grid);
-        id.int(touching.len() as i64);
-        for i in &*touching {
-            id.id(self.elements[*i as usize].name);
+        if let Some(touching) = self.found(grid) {
+            id.id(touching.name);
         }
     }
 
