@@ -19,7 +19,8 @@ use core::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::I64Vec2;
-use relievo_planet::{Grid, Lattice, Planet, SampleRect};
+use parking_lot::Mutex;
+use relievo_planet::{Grid, GridMemory, Lattice, Planet, SampleRect};
 use relievo_raster::{Bands, Block, Cancel};
 
 use crate::features::{Features, Hit, Part, Shape};
@@ -56,7 +57,14 @@ pub struct Drawing {
     looks: Vec<Look>,
     /// Name of everything but the features.
     name: [u8; 32],
+    /// The drawing that this one differs from by a few features.
+    base: Option<Arc<Self>>,
+    /// Names of what shows in grids that were asked about; `None` where nothing does.
+    known: Mutex<GridMemory<Option<[u8; 32]>>>,
 }
+
+/// Grids for which a drawing remembers what shows there: those of a few views.
+const MOST_GRIDS: usize = 8192;
 
 impl Drawing {
     /// Features in a style on a planet.
@@ -81,21 +89,29 @@ impl Drawing {
             style,
             planet,
             name: *blake3::hash(text.as_bytes()).as_bytes(),
+            base: None,
+            known: Mutex::new(GridMemory::new(MOST_GRIDS)),
         }
     }
 
     /// The same drawing with other features instead of some of its own, which costs no more than
     /// those: equal, also in its names, to a drawing of all that are left. `replaced` are positions
     /// among [`Self::features`], rising. `None` for styles to which the order of features or their
-    /// common middle matters: with symbols or a hatch.
-    pub fn patched(&self, replaced: Vec<usize>, by: Arc<Features>) -> Option<Self> {
+    /// common middle matters (with symbols or a hatch), and for a drawing that is such a patch itself.
+    pub fn patched(self: &Arc<Self>, replaced: Vec<usize>, by: Arc<Features>) -> Option<Self> {
+        if !self.is_unordered() || self.base.is_some() {
+            return None;
+        }
         let mut base = self.sheets[0].clone();
         base.hidden = replaced;
-        self.is_unordered().then(|| Self {
+        Some(Self {
             sheets: vec![base, Sheet::new(by, &self.style)],
             style: self.style.clone(),
             looks: self.looks.clone(),
-            ..*self
+            planet: self.planet,
+            name: self.name,
+            base: Some(Arc::clone(self)),
+            known: Mutex::new(GridMemory::new(MOST_GRIDS)),
         })
     }
 
@@ -122,6 +138,11 @@ impl Drawing {
 
     /// Whether some feature may show in a grid. `false` is certain.
     pub fn reaches(&self, grid: &Grid) -> bool {
+        self.shown(grid).is_some()
+    }
+
+    /// [`Self::reaches`] for a grid that is not asked about again.
+    fn reaches_once(&self, grid: &Grid) -> bool {
         let mut any = false;
         self.reaching(grid, |_, _| {
             any = true;
@@ -143,6 +164,46 @@ impl Drawing {
     /// Names what is drawn in a grid: the style, and the features that may show there. The grid
     /// itself is not part of the name.
     pub fn fingerprint(&self, grid: &Grid) -> [u8; 32] {
+        self.shown(grid).unwrap_or(self.name)
+    }
+
+    /// Name of what shows in a grid, remembered; `None` where nothing does.
+    fn shown(&self, grid: &Grid) -> Option<[u8; 32]> {
+        if let Some(known) = self.known.lock().get(grid) {
+            return *known;
+        }
+        let shown = match &self.base {
+            Some(base) if !self.differs_in(grid) => base.shown(grid),
+            _ => self.look_at(grid),
+        };
+        let mut known = self.known.lock();
+        // Another thread may have been quicker.
+        if known.get(grid).is_none() {
+            known.insert(grid, shown);
+        }
+        shown
+    }
+
+    /// Whether a patch may show something else in a grid than what it is a patch of. `false` is
+    /// certain.
+    fn differs_in(&self, grid: &Grid) -> bool {
+        let [base, added] = &self.sheets[..] else {
+            return false;
+        };
+        let Some(windows) = self.windows(grid) else {
+            return false;
+        };
+        windows.iter().any(|window| {
+            let hidden = base.hidden.iter().map(|i| base.features.bounds_of(*i));
+            let added = (0..added.features.len()).map(|i| added.features.bounds_of(i));
+            hidden.chain(added).flatten().any(|b| {
+                b.turns_onto(&window.reached)
+                    .any(|turns| b.turned(turns).overlaps(&window.reached))
+            })
+        })
+    }
+
+    fn look_at(&self, grid: &Grid) -> Option<[u8; 32]> {
         let mut named = vec![false; self.looks.len()];
         let mut shown = Vec::new();
         self.reaching(grid, |sheet, feature| {
@@ -151,6 +212,9 @@ impl Drawing {
             shown.push((look as u16, sheet.features.hash_of(feature)));
             ControlFlow::Continue(())
         });
+        if shown.is_empty() {
+            return None;
+        }
         if self.is_unordered() {
             shown.sort_unstable();
         }
@@ -169,7 +233,7 @@ impl Drawing {
             bytes.extend(look.to_le_bytes());
             bytes.extend(hash);
         }
-        *hasher.update(&bytes).finalize().as_bytes()
+        Some(*hasher.update(&bytes).finalize().as_bytes())
     }
 
     /// Draws `grid.rect` into `out`, which has its size: straight, display-referred colours and
@@ -203,7 +267,7 @@ impl Drawing {
                 let origin = I64Vec2::new(column, row) * CELL as i64;
                 let whole = SampleRect::at(origin.x, origin.y, CELL as i64, CELL as i64);
                 let wanted = whole.intersection(&rect);
-                if self.reaches(&grid.with_rect(wanted)) {
+                if self.reaches_once(&grid.with_rect(wanted)) {
                     let canvas = canvas.get_or_insert_with(Canvas::new);
                     canvas.clear();
                     self.paint(&plane, whole, canvas, cancel)?;
@@ -214,17 +278,19 @@ impl Drawing {
         Ok(())
     }
 
+    /// What a grid shows, with what reaches into it; `None` where nothing is drawn at all.
+    fn windows(&self, grid: &Grid) -> Option<Vec<Window>> {
+        let plane = Plane::new(&grid.lattice, self.planet).ok()?;
+        let is_drawn = !grid.rect.is_empty() && self.style.is_drawn_at(plane.sample_m);
+        is_drawn.then(|| plane.windows(grid.rect, self.style.reach_m(plane.sample_m)))
+    }
+
     /// Calls `found` with the features that may show in a grid.
     fn reaching(&self, grid: &Grid, mut found: impl FnMut(&Sheet, usize) -> ControlFlow<()>) {
-        let Ok(plane) = Plane::new(&grid.lattice, self.planet) else {
+        let Some(windows) = self.windows(grid) else {
             return;
         };
-        if grid.rect.is_empty() || !self.style.is_drawn_at(plane.sample_m) {
-            return;
-        }
-        let reach_m = self.style.reach_m(plane.sample_m);
         let areas = self.style.hatch.is_some() || self.looks.iter().any(|l| l.fill.is_some());
-        let windows = plane.windows(grid.rect, reach_m);
         for sheet in &self.sheets {
             let mut last = None;
             for window in &windows {

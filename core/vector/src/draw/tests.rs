@@ -82,6 +82,15 @@ fn around(level: LevelKey, lon: f64, lat: f64, size: i64) -> Grid {
     Grid::new(Arc::new(level.lattice()), rect)
 }
 
+/// A grid in squares.
+fn pieces(grid: &Grid, size: i64) -> impl Iterator<Item = Grid> {
+    let rect = grid.rect;
+    let rows = (rect.min.y..rect.max.y).step_by(size as usize);
+    let columns = move || (rect.min.x..rect.max.x).step_by(size as usize);
+    rows.flat_map(move |y| columns().map(move |x| (x, y)))
+        .map(move |(x, y)| grid.with_rect(SampleRect::at(x, y, size, size).intersection(&rect)))
+}
+
 /// Square metres that a drawing covers, by alpha.
 fn area_m2(block: &Block, grid: &Grid) -> f64 {
     let mut area = 0.0;
@@ -401,7 +410,7 @@ proptest! {
         moved_house.ring(house(6, changed, moved), false).unwrap();
         moved_house.feature().unwrap();
         let added = Arc::new(moved_house.finish().unwrap());
-        let base = drawing(city(6), style.clone());
+        let base = Arc::new(drawing(city(6), style.clone()));
         let patched = base.patched(vec![changed as usize], added).unwrap();
         let mut all = Builder::degrees();
         for i in 0..36 {
@@ -410,6 +419,13 @@ proptest! {
         }
         let whole = drawing(all.finish().unwrap(), style);
         let grid = around(LevelKey::new(level, level), 8.0005, 0.0005, 300);
+        let mut unlike = 0;
+        for piece in pieces(&grid, 50) {
+            prop_assert_eq!(patched.fingerprint(&piece), whole.fingerprint(&piece));
+            prop_assert_eq!(patched.reaches(&piece), whole.reaches(&piece));
+            unlike += usize::from(patched.fingerprint(&piece) != base.fingerprint(&piece));
+        }
+        prop_assert!(unlike < 36, "the others are named as before");
         prop_assert_eq!(patched.fingerprint(&grid), whole.fingerprint(&grid));
         prop_assert_eq!(patched.count(&grid), whole.count(&grid));
         prop_assert_eq!(draw(&patched, &grid), draw(&whole, &grid));
