@@ -135,7 +135,7 @@ pub(crate) fn compile(
                 height,
                 elements: &elements,
             };
-            Some(compiler.difference(&shown, other, *difference, colours))
+            compiler.difference(&shown, other, *difference, colours)
         }
         None => colours,
     };

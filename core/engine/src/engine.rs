@@ -7,6 +7,7 @@ mod edits;
 mod follow;
 mod keeping;
 mod options;
+mod overlays;
 mod picture;
 mod planning;
 mod revisions;
@@ -73,14 +74,14 @@ pub struct Engine {
     pinned: Option<LayerId>,
     difference: Option<(Option<ScenarioId>, HeightDifference)>,
     /// What lies over the project's colours.
-    pub(crate) marks: Vec<Mark>,
+    marks: Vec<Mark>,
     revisions: u64,
     /// Counts what happened to files.
     file_news: u64,
     shown: Arc<Scene>,
     /// The revision that is being made, and the edit that waits behind it.
     making: Option<Arc<Scene>>,
-    pub(crate) stale: bool,
+    stale: bool,
     view: Option<View>,
     planner: Planner,
     /// Finest levels n of heights and colours that the data is worth near the focus.
@@ -244,16 +245,6 @@ impl Engine {
         self.plan = None;
         self.planner = Planner::default();
         self.dirty = true;
-    }
-
-    /// Colours the ground by how much higher or lower it is than in another scenario (`None`: the
-    /// base), over everything else; `None` shows it as it is. No part of the project, and only tiles
-    /// that the difference touches are made again.
-    pub fn show_difference(&mut self, of: Option<(Option<ScenarioId>, HeightDifference)>) {
-        if self.difference != of {
-            self.difference = of;
-            self.stale = true;
-        }
     }
 
     /// One step: takes finished tiles, publishes a finished revision, plans, asks for what is

@@ -17,7 +17,6 @@ use relievo_vector::style::{Colour, Length};
 use relievo_vector::{Builder, Drawing, Style};
 
 use crate::compile::level_of_step;
-use crate::engine::Engine;
 use crate::vectors;
 
 /// Most samples that a mark keeps: 32 MiB.
@@ -127,18 +126,6 @@ impl Mark {
             node: Arc::new(Vector::new(Arc::new(drawing))),
             finest: level_of_step(vectors::FINEST_M / planet.radius_m),
         })
-    }
-}
-
-impl Engine {
-    /// Shows marks over the project's colours, the first at the bottom, in place of those before.
-    pub fn set_marks(&mut self, marks: Vec<Mark>) {
-        let same = |(a, b): (&Mark, &Mark)| Arc::ptr_eq(&a.node, &b.node);
-        if marks.len() == self.marks.len() && marks.iter().zip(&self.marks).all(same) {
-            return;
-        }
-        self.marks = marks;
-        self.stale = true;
     }
 }
 

@@ -43,10 +43,7 @@ impl Compiler<'_> {
                 // slider never evaluates it again. Exact, so no byte of the result changes.
                 self.pin(below);
             }
-            let base = match below {
-                Some(below) => below,
-                None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
-            };
+            let base = self.or_clear(below);
             if let Some(over) = self.colour_layer(layer, base, ground) {
                 below = Some(over);
             }
@@ -79,14 +76,29 @@ impl Compiler<'_> {
             self.builder.cut(top, SampleType::Rgba8);
             let finest = level_of_step(vectors::FINEST_M / self.planet.radius_m);
             self.details.push(Detail::everywhere(top, finest));
-            let base = match below {
-                Some(below) => below,
-                None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
-            };
-            let overlay = Overlay::new(BlendMode::Normal, 1.0, false);
-            below = Some(self.builder.add(Arc::new(overlay), &[base, top]));
+            below = Some(self.lay_over(below, top));
         }
         below
+    }
+
+    /// Colours that are there so far; transparent where there are none.
+    fn or_clear(&mut self, below: Option<NodeIndex>) -> NodeIndex {
+        below.unwrap_or_else(|| self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]))
+    }
+
+    /// Colours over those that are there so far.
+    pub(super) fn lay_over(&mut self, below: Option<NodeIndex>, top: NodeIndex) -> NodeIndex {
+        let base = self.or_clear(below);
+        let overlay = Overlay::new(BlendMode::Normal, 1.0, false);
+        self.builder.add(Arc::new(overlay), &[base, top])
+    }
+
+    /// The same, and a tile that `top` leaves alone is the one that is shown without it.
+    pub(super) fn lay_over_shown(&mut self, below: Option<NodeIndex>, top: NodeIndex) -> NodeIndex {
+        if let Some(below) = below {
+            self.builder.cut(below, SampleType::Rgba8);
+        }
+        self.lay_over(below, top)
     }
 
     fn pin(&mut self, node: NodeIndex) {

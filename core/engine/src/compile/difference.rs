@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use relievo_graph::NodeIndex;
-use relievo_graph::nodes::{self, BlendMode, Constant, Overlay, Tint};
+use relievo_graph::nodes::{self, Tint};
 use relievo_project::{Layer, LayerKind, Project};
-use relievo_raster::SampleType;
 
 use super::Compiler;
 use crate::difference::HeightDifference;
@@ -28,7 +27,7 @@ impl Compiler<'_> {
         other: &Project,
         difference: HeightDifference,
         below: Option<NodeIndex>,
-    ) -> NodeIndex {
+    ) -> Option<NodeIndex> {
         let (said, left_out) = (self.problems.len(), self.left_out.len());
         let same_ground = heights(shown.project).eq(heights(other));
         let ground = if same_ground {
@@ -46,21 +45,12 @@ impl Compiler<'_> {
             nodes::HeightDifference::new()
         };
         let metres = self.builder.add(Arc::new(node), &[shown.height, height]);
-        let base = match below {
-            Some(below) => {
-                // So that a tile that nothing differs on is the one that is shown without this.
-                self.builder.cut(below, SampleType::Rgba8);
-                below
-            }
-            None => self.builder.add(Arc::new(Constant::colour([0.0; 4])), &[]),
-        };
         // Stops that are made here always rise.
         let Ok(tint) = Tint::new(&difference.stops(), true) else {
-            return base;
+            return below;
         };
         let colours = self.builder.add(Arc::new(tint), &[metres]);
-        let overlay = Overlay::new(BlendMode::Normal, 1.0, false);
-        self.builder.add(Arc::new(overlay), &[base, colours])
+        Some(self.lay_over_shown(below, colours))
     }
 }
 

@@ -1,0 +1,31 @@
+//! What is shown over the project and is no part of it.
+
+use std::sync::Arc;
+
+use relievo_project::ScenarioId;
+
+use super::Engine;
+use crate::difference::HeightDifference;
+use crate::marks::Mark;
+
+impl Engine {
+    /// Colours the ground by how much higher or lower it is than in another scenario (`None`: the
+    /// base), over everything else; `None` shows it as it is. No part of the project, and only tiles
+    /// that the difference touches are made again.
+    pub fn show_difference(&mut self, of: Option<(Option<ScenarioId>, HeightDifference)>) {
+        if self.difference != of {
+            self.difference = of;
+            self.stale = true;
+        }
+    }
+
+    /// Shows marks over the project's colours, the first at the bottom, in place of those before.
+    pub fn set_marks(&mut self, marks: Vec<Mark>) {
+        let same = |(a, b): (&Mark, &Mark)| Arc::ptr_eq(&a.node, &b.node);
+        if marks.len() == self.marks.len() && marks.iter().zip(&self.marks).all(same) {
+            return;
+        }
+        self.marks = marks;
+        self.stale = true;
+    }
+}
