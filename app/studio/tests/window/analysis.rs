@@ -4,6 +4,7 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use relievo::window::Pane;
+use relievo_engine::planet::Planet;
 
 use crate::shared::Window;
 
@@ -31,6 +32,14 @@ impl Window {
         self.steps();
         self.press(Modifiers::NONE, Key::Enter);
     }
+}
+
+/// The area of the water that the legend tells.
+fn area_m2(window: &Window) -> f64 {
+    let legend = window.legend();
+    let text = legend.split(" m: ").nth(1).unwrap();
+    let (number, _) = text.split_once(" m²").unwrap();
+    number.parse().unwrap()
 }
 
 /// Level ground at 0 m seen from above, with what comes after the layers.
@@ -89,13 +98,19 @@ fn an_observer_is_placed_and_what_is_seen_lies_on_the_terrain_until_it_is_cleare
 
 #[test]
 fn water_rises_to_a_level_that_is_typed_and_says_when_the_place_is_dry() {
-    // A basin of about 79 by 111 m, 20 m deep.
-    let mut window = Window::open(&level(400, &square(0.0005, -20.0)));
+    // A basin of a thousandth of a degree, 20 m deep.
+    let (half_deg, planet) = (0.0005_f64, Planet::EARTH);
+    let side_m = planet.metres_per_radian(45_f64.to_radians()) * (2.0 * half_deg).to_radians();
+    let mut window = Window::open(&level(400, &square(half_deg, -20.0)));
     window.until("the picture", |w| w.says("complete"));
     window.press(Modifiers::NONE, Key::U);
     let middle = window.at(0.0, 0.0);
     window.click_at(middle);
-    window.until("the water", |w| w.legend().contains("Water at -15.00 m: 8"));
+    window.until("the water", |w| w.legend().contains("Water at -15.00 m: "));
+    // Counted in samples, half of one missing or too many along the walls.
+    let (area_m2, spacing_m) = (area_m2(&window), 1.0);
+    let wrong_m2 = (area_m2 - side_m.x * side_m.y).abs();
+    assert!(wrong_m2 < (side_m.x + side_m.y) * spacing_m, "{area_m2} m²");
     assert!(
         window.legend().contains("5.00 m deep"),
         "{}",

@@ -1,6 +1,6 @@
 //! What clicks, keys and drags do to the project.
 
-use crate::shared::{PROJECT, Window};
+use crate::shared::{PROJECT, Window, sample};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -449,4 +449,24 @@ fn a_file_that_changed_while_the_window_was_behind_is_told_when_it_comes_to_the_
     window.until("the question", |w| w.has_button("Reload"));
     window.click("Reload");
     assert_eq!(window.layers()[0].name, "Mountains");
+}
+
+#[test]
+fn a_viewer_near_the_ground_stays_there_while_the_ground_gets_finer() {
+    let (folder, file) = sample();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let start = text.find("\"camera\"").unwrap();
+    let end = start + text[start..].find('}').unwrap() + 1;
+    // 195 m above a valley floor, below what five minutes of arc make of the mountains beside it.
+    let camera = r#""camera": {"lon_deg": -111.6395, "lat_deg": 40.2575, "altitude_m": 1650.0,
+        "heading_deg": 45.0, "pitch_deg": -14.0}"#;
+    let text = format!("{}{camera}{}", &text[..start], &text[end..]);
+    std::fs::write(&file, text).unwrap();
+    let mut window = Window::start(folder, file, true);
+    window.until("the ground", |w| {
+        w.harness.query_by_label("complete").is_some()
+    });
+    window.steps();
+    let altitude_m = window.harness.state().camera().altitude_m;
+    assert!((altitude_m - 1650.0).abs() < 1e-6, "{altitude_m}");
 }

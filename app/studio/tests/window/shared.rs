@@ -1,6 +1,6 @@
 //! A window on a project, mostly without a GPU.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
@@ -216,4 +216,19 @@ impl Window {
             .type_text(path.to_str().unwrap());
         self.press(Modifiers::NONE, Key::Enter);
     }
+}
+
+/// The sample project with its data, in a folder of its own.
+pub(crate) fn sample() -> (tempfile::TempDir, PathBuf) {
+    let projects = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects");
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    std::fs::create_dir(&data).unwrap();
+    for file in std::fs::read_dir(projects.join("data")).unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), data.join(file.file_name())).unwrap();
+    }
+    let file = folder.path().join("my-plan.relievo");
+    std::fs::copy(projects.join("earth.relievo"), &file).unwrap();
+    (folder, file)
 }

@@ -3,7 +3,7 @@
 //! With the environment variable `RELIEVO_PICTURES` set to a folder, the pictures of the guide are
 //! written there.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2};
@@ -12,22 +12,7 @@ use image::DynamicImage;
 use image::codecs::jpeg::JpegEncoder;
 use relievo_engine::project::{Element, ElementKind, Project, SurfaceKind};
 
-use crate::shared::Window;
-
-/// The sample project with its data, in a folder of its own.
-fn sample() -> (tempfile::TempDir, PathBuf) {
-    let projects = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects");
-    let folder = tempfile::tempdir().unwrap();
-    let data = folder.path().join("data");
-    std::fs::create_dir(&data).unwrap();
-    for file in std::fs::read_dir(projects.join("data")).unwrap() {
-        let file = file.unwrap();
-        std::fs::copy(file.path(), data.join(file.file_name())).unwrap();
-    }
-    let file = folder.path().join("my-plan.relievo");
-    std::fs::copy(projects.join("earth.relievo"), &file).unwrap();
-    (folder, file)
-}
+use crate::shared::{Window, sample};
 
 /// A tour through the window that leaves pictures behind where they are asked for.
 struct Tour {
@@ -225,24 +210,4 @@ fn the_tutorial_leads_from_the_sample_to_two_scenarios_and_their_difference() {
     let saved = tour.project().clone();
     let again = tour.window.again();
     assert_eq!(again.harness.state().document().project(), &saved);
-}
-
-#[test]
-fn a_viewer_near_the_ground_stays_there_while_the_ground_gets_finer() {
-    let (folder, file) = sample();
-    let text = std::fs::read_to_string(&file).unwrap();
-    let start = text.find("\"camera\"").unwrap();
-    let end = start + text[start..].find('}').unwrap() + 1;
-    // 195 m above a valley floor, below what five minutes of arc make of the mountains beside it.
-    let camera = r#""camera": {"lon_deg": -111.6395, "lat_deg": 40.2575, "altitude_m": 1650.0,
-        "heading_deg": 45.0, "pitch_deg": -14.0}"#;
-    let text = format!("{}{camera}{}", &text[..start], &text[end..]);
-    std::fs::write(&file, text).unwrap();
-    let mut window = Window::start(folder, file, true);
-    window.until("the ground", |w| {
-        w.harness.query_by_label("complete").is_some()
-    });
-    window.steps();
-    let altitude_m = window.harness.state().camera().altitude_m;
-    assert!((altitude_m - 1650.0).abs() < 1e-6, "{altitude_m}");
 }
