@@ -112,6 +112,15 @@ impl Chart {
         }
     }
 
+    /// What is marked: the front, or nothing.
+    pub(crate) fn marked(&self) -> Vec<(usize, usize)> {
+        if self.marks_front {
+            self.front()
+        } else {
+            Vec::new()
+        }
+    }
+
     /// The pareto front: indices of curve and point of all that no other point beats, by x. Points
     /// that are not finite are never on it; of equal points all are.
     pub fn front(&self) -> Vec<(usize, usize)> {

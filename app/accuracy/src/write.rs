@@ -7,7 +7,7 @@ mod svg;
 
 use std::path::{Path, PathBuf};
 
-use crate::{Content, Machine, Report, Suite};
+use crate::{Content, Figure, Machine, Report, Suite, Table, number};
 
 /// Name of the page in its folder.
 pub const PAGE: &str = "index.html";
@@ -33,8 +33,8 @@ pub enum WriteError {
     },
 }
 
-/// Writes reports into a folder, which is made where it is missing: `index.html`, and each figure as
-/// `SUITE-FIGURE` with `.csv` (charts and tables), `.svg` (charts) or `.png` (pictures). Files of the
+/// Writes reports into a folder, which is made where it is missing: `index.html`, all pareto fronts as
+/// `fronts.csv`, and each figure as `SUITE-FIGURE` with `.csv` (charts and tables), `.svg` (charts) or `.png` (pictures). Files of the
 /// same names are replaced. Returns the paths, the page first.
 ///
 /// # Errors
@@ -49,8 +49,13 @@ pub fn to_folder(
         move |reason| WriteError::Io { path, reason }
     };
     std::fs::create_dir_all(folder).map_err(io(folder))?;
-    let page = html::page(reports, machine)?;
-    let mut files = vec![(PAGE.to_owned(), page.into_bytes())];
+    let fronts = fronts(reports);
+    let page = html::page(reports, &fronts, machine)?;
+    let rows = csv::figure(&fronts, machine);
+    let mut files = vec![
+        (PAGE.to_owned(), page.into_bytes()),
+        ("fronts.csv".to_owned(), rows.into_bytes()),
+    ];
     for (suite, report) in reports {
         for figure in &report.figures {
             let mut add = |extension, bytes| {
@@ -58,12 +63,10 @@ pub fn to_folder(
             };
             match &figure.content {
                 Content::Chart(chart) => {
-                    add("csv", csv::chart(figure, chart, machine).into_bytes());
+                    add("csv", csv::figure(figure, machine).into_bytes());
                     add("svg", svg::file(figure, chart, machine)?.into_bytes());
                 }
-                Content::Table(table) => {
-                    add("csv", csv::table(figure, table, machine).into_bytes());
-                }
+                Content::Table(_) => add("csv", csv::figure(figure, machine).into_bytes()),
                 Content::Picture(picture) => add("png", picture.png.clone()),
             }
         }
@@ -75,6 +78,43 @@ pub fn to_folder(
         paths.push(path);
     }
     Ok(paths)
+}
+
+/// The pareto fronts of all charts as one table.
+fn fronts(reports: &[(&Suite, Report)]) -> Figure {
+    let head = ["suite", "figure", "method", "setting", "cost", "error"];
+    let mut table = Table {
+        head: head.map(str::to_owned).to_vec(),
+        rows: Vec::new(),
+    };
+    let with_unit = |value: f64, unit: &str| format!("{} {unit}", number::text(value));
+    for (suite, report) in reports {
+        for figure in &report.figures {
+            let Content::Chart(chart) = &figure.content else {
+                continue;
+            };
+            for (curve, point) in chart.marked().into_iter().map(|(c, p)| {
+                let curve = &chart.curves[c];
+                (curve, &curve.points[p])
+            }) {
+                table.rows.push(vec![
+                    suite.name.into(),
+                    figure.title.as_str().into(),
+                    curve.name.as_str().into(),
+                    point.setting.as_str().into(),
+                    with_unit(point.x, &chart.x.unit).into(),
+                    with_unit(point.y, &chart.y.unit).into(),
+                ]);
+            }
+        }
+    }
+    let caption = "Of everything measured, what nothing else beats in both cost and error: the settings worth choosing from.";
+    Figure::new(
+        "fronts",
+        "What nothing beats",
+        caption,
+        Content::Table(table),
+    )
 }
 
 /// Name of a figure's file.

@@ -54,6 +54,7 @@ fn each_figure_has_its_files_and_the_page_needs_none_of_them() {
         names,
         [
             PAGE,
+            "fronts.csv",
             "example-trade.csv",
             "example-trade.svg",
             "example-rows.csv",
@@ -82,6 +83,8 @@ fn tables_keep_every_digit_and_name_the_front() {
     assert_eq!(lines[4], "\"a, \"\"quoted\"\" name\",slow,20.0,1e-7,,,1");
     let fronts: Vec<char> = lines[4..].iter().filter_map(|l| l.chars().last()).collect();
     assert_eq!(fronts, ['1', '1', '0', '0']);
+    let fronts = std::fs::read_to_string(folder.path().join("fronts.csv")).unwrap();
+    assert_eq!(fronts.lines().count(), 4 + 2, "{fronts}");
     let rows = std::fs::read_to_string(folder.path().join("example-rows.csv")).unwrap();
     assert!(rows.ends_with("what,\"how far, m\"\na row,0.3333333333333333\n"));
 }

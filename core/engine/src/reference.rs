@@ -250,18 +250,25 @@ fn picture<F: Field>(
     let view = View::new(&stage.camera, &stage.planet, raster.size_px);
     let haze = settings.haze * stage.air;
     let sun = stage.sun.direction_in_world;
-    on_ground(field, stage, &view, settings, task, &|ground, patches, task| {
-        let pixel = 2.0 * view.tan_half.y / f64::from(raster.size_px[1]);
-        let light = Light {
-            ground,
-            air: Air::new(stage.planet.radius_m, haze, view.eye, sun),
-            sun: stage.sun,
-            footprint: pixel / f64::from(raster.rays),
-        };
-        draw::each_pixel(raster, settings.threads, patches, task, &|at, reader| {
-            draw::colour(&view, raster, &light, at, reader)
-        })
-    })
+    on_ground(
+        field,
+        stage,
+        &view,
+        settings,
+        task,
+        &|ground, patches, task| {
+            let pixel = 2.0 * view.tan_half.y / f64::from(raster.size_px[1]);
+            let light = Light {
+                ground,
+                air: Air::new(stage.planet.radius_m, haze, view.eye, sun),
+                sun: stage.sun,
+                footprint: pixel / f64::from(raster.rays),
+            };
+            draw::each_pixel(raster, settings.threads, patches, task, &|at, reader| {
+                draw::colour(&view, raster, &light, at, reader)
+            })
+        },
+    )
 }
 
 fn distances<F: Field>(
@@ -272,14 +279,27 @@ fn distances<F: Field>(
 ) -> Result<Vec<f64>, RenderError> {
     let raster = raster(settings);
     let view = View::new(&stage.camera, &stage.planet, raster.size_px);
-    on_ground(field, stage, &view, settings, task, &|ground, patches, task| {
-        draw::each_pixel(&raster, settings.threads, patches, task, &|[x, y], reader| {
-            let ray = draw::ray(&view, &raster, glam::DVec2::new(x, y) + 0.5);
-            let depth = ray.direction.dot(view.forward);
-            let hit = ground.hit(&ray, reader)?;
-            Ok(hit.map_or(f64::INFINITY, |hit| hit.distance_m * depth))
-        })
-    })
+    on_ground(
+        field,
+        stage,
+        &view,
+        settings,
+        task,
+        &|ground, patches, task| {
+            draw::each_pixel(
+                &raster,
+                settings.threads,
+                patches,
+                task,
+                &|[x, y], reader| {
+                    let ray = draw::ray(&view, &raster, glam::DVec2::new(x, y) + 0.5);
+                    let depth = ray.direction.dot(view.forward);
+                    let hit = ground.hit(&ray, reader)?;
+                    Ok(hit.map_or(f64::INFINITY, |hit| hit.distance_m * depth))
+                },
+            )
+        },
+    )
 }
 
 /// Work on the ground below the highest height. How high that is, a survey says, with as much again

@@ -71,6 +71,27 @@ pub enum Coverage {
     Partial,
 }
 
+/// What exactness is given up for speed. What is shown uses the default, which ids of contents rest on;
+/// other values are for measurements (`relievo report --suite resample`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approximation {
+    /// Largest error of places that are interpolated instead of projected, in pixels of the level that is
+    /// read; 0 projects every sample of a curved grid.
+    pub tolerance_px: f64,
+    /// Widest kernel along a row in pixels of the level that is read, at least 1; wider ones (about a
+    /// pole) read a coarser level, which makes rows coarser too within 0.1° of it, and bounds the cost.
+    pub widest_px: f64,
+}
+
+impl Default for Approximation {
+    fn default() -> Self {
+        Self {
+            tolerance_px: 0.02,
+            widest_px: 1024.0,
+        }
+    }
+}
+
 /// A georeferenced file, ready to be evaluated on grids.
 pub struct Warp {
     file: Arc<dyn RasterFile>,
@@ -78,6 +99,7 @@ pub struct Warp {
     extent: coverage::Extent,
     planet: Planet,
     kernel: Kernel,
+    approximation: Approximation,
     finest_step_rad: f64,
     covered: coverage::Memory,
 }
@@ -110,9 +132,17 @@ impl Warp {
             extent,
             planet,
             kernel,
+            approximation: Approximation::default(),
             finest_step_rad,
             covered: coverage::Memory::default(),
         })
+    }
+
+    /// The same with another exactness, for measurements.
+    #[must_use]
+    pub fn with_approximation(mut self, approximation: Approximation) -> Self {
+        self.approximation = approximation;
+        self
     }
 
     /// The file.
@@ -211,6 +241,7 @@ impl Warp {
             source: &self.source,
             overviews: &self.file.info().overviews,
             kernel: self.kernel,
+            approximation: self.approximation,
             radius_m: self.planet.radius_m,
             lattice: &grid.lattice,
             target: cells::target(grid, &self.source)?,

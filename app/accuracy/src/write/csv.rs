@@ -1,10 +1,20 @@
 //! Figures as comma-separated values (RFC 4180) with full precision, notes in lines that begin with `#`.
 
-use crate::{Cell, Chart, Figure, Machine, Table};
+use crate::{Cell, Chart, Content, Figure, Machine, Table};
 
-/// A chart: a row for each point.
-pub(super) fn chart(figure: &Figure, chart: &Chart, machine: &Machine) -> String {
-    let mut csv = head(figure, machine);
+/// A figure under its title, its caption and what it was measured on; a picture has nothing more.
+pub(super) fn figure(figure: &Figure, machine: &Machine) -> String {
+    let line = |text: &str| format!("# {}\n", text.replace(['\r', '\n'], " "));
+    let head = line(&figure.title) + &line(&figure.caption) + &line(&machine.line());
+    head + &match &figure.content {
+        Content::Chart(of) => chart(of),
+        Content::Table(of) => table(of),
+        Content::Picture(_) => String::new(),
+    }
+}
+
+/// A row for each point.
+fn chart(chart: &Chart) -> String {
     let quartile = |name: &str| format!("{} ({name} quartile)", chart.x.title());
     let heads = [
         "curve",
@@ -15,12 +25,8 @@ pub(super) fn chart(figure: &Figure, chart: &Chart, machine: &Machine) -> String
         &quartile("upper"),
         "on the front",
     ];
-    csv += &row(heads.iter().map(|head| quoted(head)));
-    let front = if chart.marks_front {
-        chart.front()
-    } else {
-        Vec::new()
-    };
+    let mut csv = row(heads.iter().map(|head| quoted(head)));
+    let front = chart.marked();
     for (c, curve) in chart.curves.iter().enumerate() {
         for (p, point) in curve.points.iter().enumerate() {
             let [low, high] = point
@@ -40,10 +46,9 @@ pub(super) fn chart(figure: &Figure, chart: &Chart, machine: &Machine) -> String
     csv
 }
 
-/// A table.
-pub(super) fn table(figure: &Figure, table: &Table, machine: &Machine) -> String {
-    let mut csv = head(figure, machine);
-    csv += &row(table.head.iter().map(|head| quoted(head)));
+/// Rows under a head.
+fn table(table: &Table) -> String {
+    let mut csv = row(table.head.iter().map(|head| quoted(head)));
     for cells in &table.rows {
         csv += &row(cells.iter().map(|cell| match cell {
             Cell::Text(text) => quoted(text),
@@ -51,11 +56,6 @@ pub(super) fn table(figure: &Figure, table: &Table, machine: &Machine) -> String
         }));
     }
     csv
-}
-
-fn head(figure: &Figure, machine: &Machine) -> String {
-    let line = |text: &str| format!("# {}\n", text.replace(['\r', '\n'], " "));
-    line(&figure.title) + &line(&figure.caption) + &line(&machine.line())
 }
 
 fn row(cells: impl IntoIterator<Item = String>) -> String {

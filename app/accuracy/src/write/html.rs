@@ -8,7 +8,11 @@ use crate::{Cell, Chart, Content, Figure, Machine, Picture, Report, Suite, Table
 const STYLE: &str = include_str!("page.css");
 
 /// The page.
-pub(super) fn page(reports: &[(&Suite, Report)], machine: &Machine) -> Result<String, WriteError> {
+pub(super) fn page(
+    reports: &[(&Suite, Report)],
+    fronts: &Figure,
+    machine: &Machine,
+) -> Result<String, WriteError> {
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n\
@@ -20,6 +24,16 @@ pub(super) fn page(reports: &[(&Suite, Report)], machine: &Machine) -> Result<St
     html += "<main>\n";
     for (suite, report) in reports {
         html += &section(suite, report, machine)?;
+    }
+    if let Content::Table(table) = &fronts.content {
+        // Writing to a string never fails.
+        let _always = writeln!(
+            html,
+            "<section id=\"fronts\"><h2>{}</h2>\n<p class=\"sub\">{}</p>\n{}</section>",
+            escaped(&fronts.title),
+            escaped(&fronts.caption),
+            rows(table)
+        );
     }
     html += "</main>\n<footer>\n<p>Times are medians of repetitions in which all settings took turns; \
              thin lines at points reach from the lower to the upper quartile. In charts of error against time, \
@@ -33,13 +47,12 @@ fn contents(reports: &[(&Suite, Report)]) -> String {
     let mut html = "<nav aria-label=\"Suites\">\n<ul>\n".to_owned();
     for (suite, _) in reports {
         let (name, sentence) = (escaped(suite.name), escaped(suite.sentence));
-        // Writing to a string never fails.
         let _always = writeln!(
             html,
             "<li><a href=\"#{name}\">{name}</a> <span>{sentence}</span></li>"
         );
     }
-    html + "</ul>\n</nav>\n"
+    html + "<li><a href=\"#fronts\">What nothing beats</a> <span>All pareto fronts in one table.</span></li>\n</ul>\n</nav>\n"
 }
 
 fn section(suite: &Suite, report: &Report, machine: &Machine) -> Result<String, WriteError> {
@@ -92,11 +105,7 @@ fn one_figure(suite: &Suite, figure: &Figure, machine: &Machine) -> Result<Strin
 
 /// A chart's points, for who does not look at charts.
 fn points(chart: &Chart) -> String {
-    let front = if chart.marks_front {
-        chart.front()
-    } else {
-        Vec::new()
-    };
+    let front = chart.marked();
     let mut table = Table {
         head: ["curve", "setting", &chart.x.title(), &chart.y.title()]
             .map(str::to_owned)

@@ -94,11 +94,7 @@ fn drawn(figure: &Figure, chart: &Chart, machine: Option<&Machine>) -> Result<St
             Scale::new(&chart.x, values(chart, |p| p.x)),
             Scale::new(&chart.y, values(chart, |p| p.y)),
         ],
-        front: if chart.marks_front {
-            chart.front()
-        } else {
-            Vec::new()
-        },
+        front: chart.marked(),
         tips: String::new(),
     };
     let mut svg = String::new();

@@ -67,8 +67,7 @@ pub(super) fn each_pixel<F: Field, T: Copy + Default + Send>(
     let size = raster.drawn();
     let blocks = blocks(size);
     let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let made: Mutex<Vec<T>> =
-        Mutex::new(vec![T::default(); size[0] as usize * size[1] as usize]);
+    let made: Mutex<Vec<T>> = Mutex::new(vec![T::default(); size[0] as usize * size[1] as usize]);
     let failed: Mutex<Option<RenderError>> = Mutex::new(None);
     let work = || {
         let mut reader = Reader::new(patches);

@@ -27,8 +27,7 @@ pub(super) fn lit(normal: DVec3, up: DVec3, sun: &Sun) -> DVec3 {
     let warm = DVec3::new(1.0, 0.72, 0.50).lerp(DVec3::ONE, smoothstep(0.0, 0.35, sun_up));
     let open_sky = 0.6 + 0.4 * normal.dot(up);
     let day = 0.04 + 0.96 * smoothstep(-0.20, 0.15, sun_up);
-    (1.0 - ambient) * 1.30 * direct * warm
-        + ambient * open_sky * day * DVec3::new(0.92, 0.97, 1.08)
+    (1.0 - ambient) * 1.30 * direct * warm + ambient * open_sky * day * DVec3::new(0.92, 0.97, 1.08)
 }
 
 /// Display value of linear light: a shoulder above 0.8, then sRGB encoded.

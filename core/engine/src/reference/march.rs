@@ -101,7 +101,9 @@ impl Ground {
         Place {
             position,
             radius_m: position.length(),
-            spot: self.levels.spot(n, MapPoint::from_direction(position).normalised()),
+            spot: self
+                .levels
+                .spot(n, MapPoint::from_direction(position).normalised()),
             n,
         }
     }

@@ -41,7 +41,10 @@ pub(super) struct Look {
 /// Bilinear weights of the four samples around a spot, north west first, and the first one's index.
 fn corners(spot: &Spot) -> (usize, [f64; 4]) {
     let last = (CELLS - 1) as f64;
-    let (x, y) = (spot.u.floor().clamp(0.0, last), spot.v.floor().clamp(0.0, last));
+    let (x, y) = (
+        spot.u.floor().clamp(0.0, last),
+        spot.v.floor().clamp(0.0, last),
+    );
     let (fx, fy) = (spot.u - x, spot.v - y);
     let weights = [
         (1.0 - fx) * (1.0 - fy),

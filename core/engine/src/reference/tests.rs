@@ -62,9 +62,15 @@ fn a_ball_is_met_where_the_sphere_is_from_any_height_and_over_the_poles() {
                 .or_else(|| (altitude_m < 250.0).then_some(f64::NAN))
         });
         if altitude_m > 250.0 {
-            assert!(worst < 1e-7 && odd == 0, "{place:?} {altitude_m}: {worst} {odd}");
+            assert!(
+                worst < 1e-7 && odd == 0,
+                "{place:?} {altitude_m}: {worst} {odd}"
+            );
         } else {
-            assert!(found.iter().all(|(_, t)| *t == 0.0), "an eye under the ground sees it at once");
+            assert!(
+                found.iter().all(|(_, t)| *t == 0.0),
+                "an eye under the ground sees it at once"
+            );
         }
     }
 }
@@ -129,7 +135,11 @@ fn a_cone_is_met_where_the_ray_meets_the_cone_and_its_ridge_hides_what_is_behind
         .filter(|(d, _)| cone(*d).is_none_or(|t| t < 2e4))
         .collect();
     assert!(near.iter().filter(|(d, _)| cone(*d).is_some()).count() > 200);
-    let exact: Vec<_> = near.iter().filter(|(d, _)| cone(*d).is_some()).copied().collect();
+    let exact: Vec<_> = near
+        .iter()
+        .filter(|(d, _)| cone(*d).is_some())
+        .copied()
+        .collect();
     let (worst, odd) = worst(&exact, cone);
     assert!(worst < 3e-4, "{worst}");
     // At most rays that graze the outline.
@@ -140,7 +150,11 @@ fn a_cone_is_met_where_the_ray_meets_the_cone_and_its_ridge_hides_what_is_behind
 fn the_wall_of_a_step_is_met_within_the_sample_that_it_stands_on() {
     let wall = 12.0_f64.to_radians();
     let field = Formula::new(18, move |up| {
-        if libm::atan2(up.y, up.x) < wall { 0.0 } else { 400.0 }
+        if libm::atan2(up.y, up.x) < wall {
+            0.0
+        } else {
+            400.0
+        }
     });
     // West of the wall, looking east along the equator.
     let stage = stage(camera((11.995, 0.0), 100.0, 90.0, 0.0));
@@ -220,7 +234,10 @@ fn a_picture_is_the_same_for_any_number_of_threads_and_any_memory() {
         picture(&field, &stage, &settings, &raster, &Task::quiet(&cancel)).expect("formulas")
     };
     let one = draw(1, 1 << 28);
-    assert!(one.iter().any(|p| p[0] != one[0][0]), "the picture shows something");
+    assert!(
+        one.iter().any(|p| p[0] != one[0][0]),
+        "the picture shows something"
+    );
     assert!(one == draw(4, 1 << 28) && one == draw(3, 4 << 20));
 }
 
@@ -230,7 +247,12 @@ fn a_cancelled_picture_is_an_error() {
     cancel.cancel();
     let stage = stage(camera((7.3, 46.1), 2e3, 30.0, -15.0));
     let settings = settings([8, 8]);
-    let made = distances(&Formula::hills(16), &stage, &settings, &Task::quiet(&cancel));
+    let made = distances(
+        &Formula::hills(16),
+        &stage,
+        &settings,
+        &Task::quiet(&cancel),
+    );
     assert!(matches!(made, Err(RenderError::Cancelled)));
 }
 

@@ -2,13 +2,14 @@
 //!
 //! Nodes are the samples whose global indices are multiples of [`NODE`]. The four cells of a group
 //! share nine nodes; the middle ones tell how far the outer ones would have missed, and a cell a
-//! quarter of that. A cell that may miss by more than [`TOLERANCE`] pixels checks its own centre and
+//! quarter of that. A cell that may miss by more than [`Approximation::tolerance_px`] checks its own centre and
 //! the middles of its edges, and if those fail projects every sample. All of it depends on global
 //! indices only, so blocks and wholes agree bit for bit.
 
 use glam::{DVec2, I64Vec2};
 use relievo_planet::{Grid, GridCrs, Lattice, MapPoint, SampleRect};
 
+use super::Approximation;
 use super::plane::{SourcePlane, lonlat_from_plane, plane_from_lonlat};
 use super::window::Scale;
 use crate::crs::Crs;
@@ -19,11 +20,6 @@ use crate::kernel::{Footprint, Kernel, LANES, Lane};
 pub(crate) const NODE: i64 = LANES as i64;
 /// Samples along a group of two by two cells.
 const GROUP: i64 = 2 * NODE;
-/// Largest error of interpolated places, in pixels of the level that is read.
-const TOLERANCE: f64 = 0.02;
-/// Widest kernel along a row in pixels of the level that is read; wider ones (about a pole) read a
-/// coarser level, which makes rows coarser too within 0.1° of it, and bounds the cost.
-const WIDEST: f64 = 1024.0;
 /// A patch that needs more pixels at once is done sample by sample.
 const LARGEST_WINDOW: i64 = 1 << 22;
 /// A footprint this much wider than a pixel is still sampled bilinearly: a tent that widened at
@@ -102,6 +98,7 @@ pub(crate) struct Geometry<'a> {
     pub(crate) source: &'a SourcePlane,
     pub(crate) overviews: &'a [OverviewInfo],
     pub(crate) kernel: Kernel,
+    pub(crate) approximation: Approximation,
     pub(crate) radius_m: f64,
     pub(crate) lattice: &'a Lattice,
     pub(crate) target: Target,
@@ -227,7 +224,7 @@ impl Geometry<'_> {
         let fits = |o: &usize| (radii / self.overview_pixel(*o)).min_element() >= 1.0 - 1e-9;
         let mut overview = (0..self.overviews.len()).rev().find(fits).unwrap_or(0);
         while overview + 1 < self.overviews.len()
-            && radii.x / self.overview_pixel(overview).x > WIDEST
+            && radii.x / self.overview_pixel(overview).x > self.approximation.widest_px
         {
             overview += 1;
         }
@@ -353,7 +350,10 @@ impl Geometry<'_> {
         let radii = self.radii(centre_of(cell), NODE as f64, change);
         let (scale, _) = self.scale(radii);
         let pixel = self.scale_pixel(scale);
-        let close = |miss: DVec2| (miss / pixel).max_element() <= TOLERANCE && miss.is_finite();
+        let close = |miss: DVec2| {
+            let tolerance_px = self.approximation.tolerance_px;
+            (miss / pixel).max_element() <= tolerance_px && miss.is_finite()
+        };
         let linear = !self.wraps_inside(corners)
             && (close(miss) || {
                 let half = NODE as f64 * 0.5;

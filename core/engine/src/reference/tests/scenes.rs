@@ -87,7 +87,11 @@ impl Field for Formula {
         _cancel: &Cancel,
     ) -> Result<Option<relievo_raster::Block>, RenderError> {
         let (width, height) = (grid.rect.width() as usize, grid.rect.height() as usize);
-        Ok(Some(relievo_raster::Block::new(Bands::Normal, width, height)))
+        Ok(Some(relievo_raster::Block::new(
+            Bands::Normal,
+            width,
+            height,
+        )))
     }
 
     fn finest(&self) -> u8 {

@@ -25,7 +25,10 @@ fn on_triangle(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f6
 fn triangles(field: &Formula, level: LevelKey, around: MapPoint, cells: i64) -> Vec<[DVec3; 3]> {
     let middle = level.sample_from_map(around).floor().as_i64vec2();
     let vertex = |x: i64, y: i64| {
-        let up = level.lattice().map_point(middle + I64Vec2::new(x, y)).to_unit();
+        let up = level
+            .lattice()
+            .map_point(middle + I64Vec2::new(x, y))
+            .to_unit();
         // Samples are stored in single precision.
         up * (RADIUS_M + f64::from(field.height_m(up) as f32))
     };
