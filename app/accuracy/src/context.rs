@@ -25,6 +25,8 @@ pub struct Context<'a> {
     pub threads: usize,
     /// A project to measure on, where a suite takes one; its own scenes without.
     pub project: Option<PathBuf>,
+    /// Whether other programs that are installed may be run beside ours. Without them a suite says so.
+    pub peers: bool,
     /// Asks to stop.
     pub cancel: Cancel,
     /// Takes the share that is done, 0 to 1.
@@ -45,12 +47,13 @@ impl core::fmt::Debug for Context<'_> {
 }
 
 impl<'a> Context<'a> {
-    /// A context without a project, for all cores.
+    /// A context without a project and without other programs, for all cores.
     pub fn new(quick: bool, device: DeviceWish, progress: &'a dyn Fn(f64)) -> Self {
         Self {
             quick,
             threads: std::thread::available_parallelism().map_or(2, usize::from),
             project: None,
+            peers: false,
             cancel: Cancel::default(),
             progress,
             device,

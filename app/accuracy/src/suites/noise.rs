@@ -19,7 +19,8 @@ use relievo_engine::raster::{Bands, Block, Cancel};
 
 use crate::timing::in_turns;
 use crate::{
-    Axis, Chart, Content, Context, Curve, Figure, Point, Report, Suite, SuiteError, Table, Work,
+    Axis, Chart, Content, Context, Curve, Figure, Point, Report, Spread, Suite, SuiteError, Table,
+    Work,
 };
 use spectrum::{Band, Fit, bands, fit};
 
@@ -48,6 +49,8 @@ const LACUNARITIES: [f64; 7] = [1.25, 1.5, 1.8, 2.0, 2.5, 3.0, 4.0];
 /// A family of settings.
 #[derive(Clone, Copy)]
 struct Family {
+    /// For file names.
+    key: &'static str,
     name: &'static str,
     /// H.
     roughness: f64,
@@ -56,16 +59,19 @@ struct Family {
 
 const FAMILIES: [Family; 3] = [
     Family {
+        key: "smooth",
         name: "smooth ground (H = 1)",
         roughness: 1.0,
         ridged: false,
     },
     Family {
+        key: "rough",
         name: "rough ground (H = 0.5)",
         roughness: 0.5,
         ridged: false,
     },
     Family {
+        key: "ridges",
         name: "ridges (H = 1)",
         roughness: 1.0,
         ridged: true,
@@ -106,41 +112,48 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
         .collect();
     let times = in_turns(context, &mut works)?;
     drop(works);
-    let mut curves = Vec::new();
-    for (settings, times) in settings
-        .chunks(LACUNARITIES.len())
+    let of_families = settings.chunks(LACUNARITIES.len());
+    let mut figures: Vec<Figure> = of_families
         .zip(times.chunks(LACUNARITIES.len()))
-    {
-        let points = settings.iter().zip(times).map(|(setting, time)| {
-            let name = format!(
-                "lacunarity {} ({} octaves)",
-                setting.lacunarity, setting.octaves
-            );
-            Point::timed(name, *time, setting.fit.error_db)
-        });
-        curves.push(Curve {
-            name: settings[0].family.name.to_owned(),
-            points: points.collect(),
-            joined: true,
-        });
-    }
-    let trade = Figure::new(
-        "trade",
-        "Spectral error against time",
-        "Octaves from 512 samples down to 2, gain = lacunarity to the power of −H. Error: root mean square deviation, in decibels, of the \
-         power in third-octave bands from 8 to 128 samples from the stated power law (its constant fitted, its slope not). Power: \
-         Hann-windowed periodograms of lines along the equator. One thread, a tile of 256² samples.",
-        Content::Chart(Chart::trade(
-            "ns per sample",
-            "deviation from the power law",
-            "dB",
-            curves,
-        )),
-    );
+        .map(|(settings, times)| trade(settings, times))
+        .collect();
+    figures.extend([spectra(&settings), table(&settings)]);
     Ok(Report {
         summary: summary(&settings),
-        figures: vec![trade, spectra(&settings), table(&settings)],
+        figures,
     })
+}
+
+/// Error against time of the settings of a family.
+fn trade(settings: &[Setting], times: &[Spread]) -> Figure {
+    let family = settings[0].family;
+    let points = settings.iter().zip(times).map(|(setting, time)| {
+        let name = format!(
+            "lacunarity {} ({} octaves)",
+            setting.lacunarity, setting.octaves
+        );
+        Point::timed(name, *time, setting.fit.error_db)
+    });
+    let curve = Curve {
+        name: family.name.to_owned(),
+        points: points.collect(),
+        joined: true,
+    };
+    let caption = "Octaves from 512 samples down to 2, gain = lacunarity to the power of −H. Error: root mean square deviation, in \
+                   decibels, of the power in third-octave bands from 8 to 128 samples from the stated power law (its constant fitted, \
+                   its slope not). Power: Hann-windowed periodograms of lines along the equator. One thread, a tile of 256² samples.";
+    let chart = Chart::trade(
+        "ns per sample",
+        "deviation from the power law",
+        "dB",
+        vec![curve],
+    );
+    Figure::new(
+        family.key,
+        format!("Spectral error against time, {}", family.name),
+        caption,
+        Content::Chart(chart),
+    )
 }
 
 /// A setting and its spectrum.
@@ -159,7 +172,7 @@ fn setting(context: &Context, family: Family, lacunarity: f64) -> Result<Setting
             ridged: family.ridged,
         },
     );
-    let (length, lines) = context.pick((2048, 24), (4096, 128));
+    let (length, lines) = context.pick((1024, 24), (4096, 128));
     let mut heights = Vec::new();
     for line in 0..lines {
         // Lines far apart, along the equator and nearly as long as it allows.

@@ -54,7 +54,7 @@ const STEP_DEG: DVec2 = DVec2::new(0.2, 0.1);
 const POLAR: &str = "EPSG:3413";
 
 fn run(context: &Context) -> Result<Report, SuiteError> {
-    let peer = gdal::Peer::find();
+    let peer = context.peers.then(gdal::Peer::find).flatten();
     let (kernels, summary) = kernels(context, peer.as_ref())?;
     context.step(4, 10)?;
     let places = places(context, peer.as_ref())?;
@@ -70,7 +70,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
              starting the program and opening the file do not count; one thread.",
             peer.version
         ),
-        None => "GDAL's warp is not in the plots, because no gdalwarp is installed.".to_owned(),
+        None => "GDAL's warp is not in the plots: no gdalwarp is installed here, or no other program was to be run.".to_owned(),
     });
     Ok(report)
 }
@@ -220,7 +220,7 @@ fn places(context: &Context, peer: Option<&gdal::Peer>) -> Result<Figure, SuiteE
         exact.push(pixels_of(&system, p)?);
     }
     let ramps: [Arc<dyn RasterFile>; 2] =
-        [|p: DVec2| p.x / PIXEL_M, |p: DVec2| -p.y / PIXEL_M].map(|axis| polar_file(axis));
+        [|p: DVec2| p.x / PIXEL_M, |p: DVec2| -p.y / PIXEL_M].map(polar_file);
     let mut points = Vec::new();
     let mut warps = Vec::new();
     for tolerance_px in TOLERANCES_PX {

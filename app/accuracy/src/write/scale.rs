@@ -37,7 +37,7 @@ impl Scale {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        let zero = (axis.log && values.iter().any(|v| *v <= 0.0)).then(|| low - 1.0);
+        let zero = (axis.log && values.iter().any(|v| *v <= 0.0)).then_some(low - 1.0);
         low = zero.unwrap_or(low);
         // A single value gets room on both sides.
         let least = if axis.log {

@@ -27,7 +27,7 @@ const GRID: RGBColor = RGBColor(0xDD, 0xDD, 0xDD);
 
 /// Colours of curves, told apart with any colour vision and on light and dark (after M. Okabe and
 /// K. Ito, 2008); shapes differ too.
-const COLOURS: [RGBColor; 7] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
     RGBColor(0x00, 0x9E, 0x73),
@@ -35,6 +35,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0x9A, 0x7D, 0x0A),
     RGBColor(0x56, 0xB4, 0xE9),
     RGBColor(0x8A, 0x6F, 0xD8),
+    RGBColor(0x80, 0x80, 0x80),
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -308,7 +309,8 @@ fn draw_mark(area: &Area, curve: usize, (x, y): (i32, i32)) -> Result<(), Failed
         3 => &[(0, -7), (7, 0), (0, 7), (-7, 0)],
         4 => &[(0, 6), (6, -5), (-6, -5)],
         5 => &[(-2, -6), (2, -6), (2, 6), (-2, 6)],
-        _ => &[(-6, -2), (6, -2), (6, 2), (-6, 2)],
+        6 => &[(-6, -2), (6, -2), (6, 2), (-6, 2)],
+        _ => &[(-3, -5), (3, -5), (6, 0), (3, 5), (-3, 5), (-6, 0)],
     };
     let corners: Vec<_> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
     area.draw(&Polygon::new(corners, style))?;

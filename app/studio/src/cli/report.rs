@@ -71,6 +71,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         let mut measuring =
             relievo_accuracy::Context::new(arguments.quick, DeviceWish::IfAny, &show);
         measuring.threads = super::measure::threads(context);
+        measuring.peers = true;
         measuring.project.clone_from(&arguments.project);
         measuring.cancel = context.cancel.clone();
         let report = (suite.run)(&measuring).map_err(|error| match error {

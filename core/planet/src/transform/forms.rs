@@ -125,7 +125,7 @@ pub fn ring_vertices(level: u32, colat_rad: f64, count: u32) -> Vec<[f32; 3]> {
     let outer = ring_radius_rad(level);
     let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ (u64::from(level) << 32) ^ colat_rad.to_bits());
     let vertex = |k: u32| {
-        let azimuth = if k % 8 == 0 {
+        let azimuth = if k.is_multiple_of(8) {
             f64::from(k / 8 % 4) * FRAC_PI_2
         } else {
             random.unit() * TAU

@@ -14,6 +14,8 @@ use crate::{Context, Curve, Point, Spread, SuiteError};
 
 /// An installed `gdalwarp`.
 pub(super) struct Peer {
+    /// The program.
+    program: &'static str,
     /// What it says it is.
     pub(super) version: String,
 }
@@ -25,10 +27,11 @@ fn system(error: impl core::fmt::Display) -> SuiteError {
 impl Peer {
     /// Looks for it on the path.
     pub(super) fn find() -> Option<Self> {
-        let output = Command::new("gdalwarp").arg("--version").output().ok()?;
+        let program = "gdalwarp";
+        let output = Command::new(program).arg("--version").output().ok()?;
         let version = String::from_utf8_lossy(&output.stdout);
         let version = version.split(',').next()?.trim().to_owned();
-        (output.status.success() && !version.is_empty()).then_some(Self { version })
+        (output.status.success() && !version.is_empty()).then_some(Self { program, version })
     }
 
     /// Error against time of warps to a grid of degrees with a method (`-r`) and each of some
@@ -54,7 +57,7 @@ impl Peer {
                 context.go_on()?;
                 // The whole one comes last, so that its file stays.
                 for (grid, times) in [&tiny, grid].into_iter().zip(&mut times[k]) {
-                    times.push(warp_ns(&source, &out(k), grid, method, *tolerance)?);
+                    times.push(self.warp_ns(&source, &out(k), grid, method, *tolerance)?);
                 }
             }
         }
@@ -78,6 +81,49 @@ impl Peer {
             points,
             joined: true,
         })
+    }
+
+    /// Nanoseconds of one run.
+    fn warp_ns(
+        &self,
+        source: &Path,
+        out: &PathBuf,
+        grid: &Grid,
+        method: &str,
+        tolerance_px: f64,
+    ) -> Result<f64, SuiteError> {
+        let (lattice, rect) = (&grid.lattice, grid.rect);
+        let corner = |at: glam::I64Vec2| lattice.origin + at.as_dvec2() * lattice.step;
+        let (nw, se) = (corner(rect.min), corner(rect.max));
+        let numbers = |all: &[f64]| all.iter().map(f64::to_string).collect::<Vec<_>>();
+        let mut command = Command::new(self.program);
+        command
+            .args([
+                "-q",
+                "-overwrite",
+                "-t_srs",
+                "EPSG:4326",
+                "-ot",
+                "Float32",
+                "-te",
+            ])
+            .args(numbers(&[nw.x, se.y, se.x, nw.y]))
+            .arg("-ts")
+            .args([rect.width().to_string(), rect.height().to_string()])
+            .args(["-r", method, "-et", &tolerance_px.to_string()])
+            .args(["-ovr", "NONE"])
+            .arg(source)
+            .arg(out)
+            .env("GDAL_NUM_THREADS", "1")
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let start = Instant::now();
+        let output = command.output().map_err(system)?;
+        let time_ns = start.elapsed().as_nanos() as f64;
+        if !output.status.success() {
+            return Err(system(String::from_utf8_lossy(&output.stderr).trim()));
+        }
+        Ok(time_ns)
     }
 }
 
@@ -104,48 +150,6 @@ fn write(file: &Arc<dyn RasterFile>, path: &Path) -> Result<(), SuiteError> {
     };
     write_cog(path, &layout, &source, &work, &mut |_| {}).map_err(system)?;
     Ok(())
-}
-
-/// Nanoseconds of one run.
-fn warp_ns(
-    source: &Path,
-    out: &PathBuf,
-    grid: &Grid,
-    method: &str,
-    tolerance_px: f64,
-) -> Result<f64, SuiteError> {
-    let (lattice, rect) = (&grid.lattice, grid.rect);
-    let corner = |at: glam::I64Vec2| lattice.origin + at.as_dvec2() * lattice.step;
-    let (nw, se) = (corner(rect.min), corner(rect.max));
-    let numbers = |all: &[f64]| all.iter().map(f64::to_string).collect::<Vec<_>>();
-    let mut command = Command::new("gdalwarp");
-    command
-        .args([
-            "-q",
-            "-overwrite",
-            "-t_srs",
-            "EPSG:4326",
-            "-ot",
-            "Float32",
-            "-te",
-        ])
-        .args(numbers(&[nw.x, se.y, se.x, nw.y]))
-        .arg("-ts")
-        .args([rect.width().to_string(), rect.height().to_string()])
-        .args(["-r", method, "-et", &tolerance_px.to_string()])
-        .args(["-ovr", "NONE"])
-        .arg(source)
-        .arg(out)
-        .env("GDAL_NUM_THREADS", "1")
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped());
-    let start = Instant::now();
-    let output = command.output().map_err(system)?;
-    let time_ns = start.elapsed().as_nanos() as f64;
-    if !output.status.success() {
-        return Err(system(String::from_utf8_lossy(&output.stderr).trim()));
-    }
-    Ok(time_ns)
 }
 
 /// The samples of a file.

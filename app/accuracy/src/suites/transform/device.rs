@@ -7,7 +7,7 @@ use relievo_engine::planet::transform::forms::{Form, ring_vertices};
 use relievo_gpu::forms::{FormMeter, PreparedForm};
 use relievo_gpu::{AdapterClass, Gpu, ReadError};
 
-use super::{BANDS, Error, Evaluator, TIMED_COLAT_RAD, errors, timed_level, worst};
+use super::{DOMAINS, Error, Evaluator, TIMED_COLAT_RAD, errors, worst};
 use crate::number::text;
 use crate::timing::in_turns;
 use crate::{Context, Spread, SuiteError, Work};
@@ -33,11 +33,11 @@ impl Evaluator for Device<'_> {
             prepared.run(self.gpu)?;
             prepared.deltas(self.gpu)
         };
-        run().map_err(|error| lost(&error))
+        run().map_err(lost)
     }
 }
 
-fn lost(error: &ReadError) -> SuiteError {
+fn lost(error: ReadError) -> SuiteError {
     SuiteError::System(error.to_string())
 }
 
@@ -54,7 +54,7 @@ pub(super) fn measure(context: &Context) -> Result<Measured, SuiteError> {
     Ok(Ok((errors, times(context, &device)?)))
 }
 
-/// Nanoseconds a vertex of each form in each band, form by form: of many evaluations of each vertex, so
+/// Nanoseconds a vertex of each form in each domain, form by form: of many evaluations of each vertex, so
 /// that reading and writing count for little.
 fn times(context: &Context, device: &Device) -> Result<Vec<Spread>, SuiteError> {
     // A graphics processor wants far more work before its time is that of the work.
@@ -64,8 +64,8 @@ fn times(context: &Context, device: &Device) -> Result<Vec<Spread>, SuiteError> 
     };
     let mut prepared = Vec::new();
     for form in Form::ALL {
-        for band in BANDS {
-            let vertices = ring_vertices(timed_level(band), TIMED_COLAT_RAD, count);
+        for domain in DOMAINS {
+            let vertices = ring_vertices(domain.timed_level, TIMED_COLAT_RAD, count);
             let meter = &device.meter;
             prepared.push(meter.prepare(device.gpu, form, &vertices, TIMED_COLAT_RAD, repeats));
         }
@@ -84,7 +84,7 @@ fn times(context: &Context, device: &Device) -> Result<Vec<Spread>, SuiteError> 
     let times = in_turns(context, &mut works)?;
     drop(works);
     match failed.into_inner() {
-        Some(error) => Err(lost(&error)),
+        Some(error) => Err(lost(error)),
         None => Ok(times),
     }
 }
