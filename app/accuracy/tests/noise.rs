@@ -1,7 +1,5 @@
 //! The suite `noise`: its errors.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use relievo_accuracy::suites::noise::SUITE;
 use relievo_accuracy::{Cell, Content, Context, DeviceWish};
 

@@ -1,7 +1,5 @@
 //! The suite `resample`: its errors.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use relievo_accuracy::suites::resample::SUITE;
 use relievo_accuracy::{Chart, Content, Context, DeviceWish};
 
