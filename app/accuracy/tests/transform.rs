@@ -27,9 +27,10 @@ fn errors(chart: &Chart, form: &str) -> Vec<f64> {
 fn assert_what_is_drawn_with_is_exact(chart: &Chart, bound: f64) {
     let drawn = errors(chart, "cancellation-free, polynomial");
     assert!(drawn.iter().all(|e| *e > 0.0 && *e <= bound), "{drawn:?}");
-    // The approximation keeps a thousandth where it is meant to be used.
+    // The thousandth that is printed for the approximation holds eastward only: towards a pole its second
+    // order counts, eight times as much where it is meant to be used.
     let approximate = errors(chart, "[CH06] eq. 11 and 14");
-    assert!((1e-4..2e-3).contains(&approximate[0]), "{approximate:?}");
+    assert!((2e-3..1e-2).contains(&approximate[0]), "{approximate:?}");
     assert!(chart.marks_front);
     let finite = |p: &relievo_accuracy::Point| p.x > 0.0 && p.x.is_finite();
     assert!(chart.curves.iter().flat_map(|c| &c.points).all(finite));

@@ -107,13 +107,14 @@ fn warp(
 }
 
 /// Work that renders a tile's worth of a grid.
-fn work<'a>(warp: &'a Warp, grid: &Grid) -> Work<'a> {
+fn work<'a>(context: &Context, warp: &'a Warp, grid: &Grid) -> Work<'a> {
+    let side = context.pick(64, 256);
     let (rect, size) = (grid.rect, grid.rect.max - grid.rect.min);
     let tile = relievo_engine::planet::SampleRect::at(
         rect.min.x,
         rect.min.y,
-        size.x.min(256),
-        size.y.min(256),
+        size.x.min(side),
+        size.y.min(side),
     );
     let grid = grid.with_rect(tile);
     let mut out = Block::new(Bands::Height, 0, 0);
@@ -161,7 +162,10 @@ fn kernels(context: &Context, peer: Option<&gdal::Peer>) -> Result<(Figure, Stri
         context.go_on()?;
         errors.push(error_of(rendered(warp, &grid)?.samples()));
     }
-    let mut works: Vec<Work> = warps.iter().map(|warp| work(warp, &grid)).collect();
+    let mut works: Vec<Work> = warps
+        .iter()
+        .map(|warp| work(context, warp, &grid))
+        .collect();
     let times = in_turns(context, &mut works)?;
     let mut curves = Vec::new();
     let of_kernels = KERNELS.iter().zip(errors.chunks(TOLERANCES_PX.len()));
@@ -241,7 +245,11 @@ fn places(context: &Context, peer: Option<&gdal::Peer>) -> Result<Figure, SuiteE
         }
         points.push((tolerance_px, worst));
     }
-    let mut works: Vec<Work> = warps.iter().step_by(2).map(|w| work(w, &grid)).collect();
+    let mut works: Vec<Work> = warps
+        .iter()
+        .step_by(2)
+        .map(|w| work(context, w, &grid))
+        .collect();
     let times = in_turns(context, &mut works)?;
     let ours = points.iter().zip(times).map(|((tolerance, error), time)| {
         Point::timed(format!("tolerance {tolerance} px"), time, *error)
@@ -296,7 +304,7 @@ fn poles(context: &Context) -> Result<Figure, SuiteError> {
         waves.at(unit(p.x.to_radians(), p.y.to_radians()))
     });
     let step_deg = 4.0 * pixel_deg;
-    let rows = 16;
+    let rows = context.pick(8, 16);
     let grid = degrees(-180.0, 90.0, DVec2::splat(step_deg), [256, rows]);
     let radius_rad = step_deg.to_radians();
     let truth: Vec<f64> = lonlats(&grid)
@@ -318,7 +326,10 @@ fn poles(context: &Context) -> Result<Figure, SuiteError> {
         let each = found.samples().iter().zip(&truth);
         errors.push(rms_of(each.map(|(f, t)| f64::from(*f) - t)) / scale);
     }
-    let mut works: Vec<Work> = warps.iter().map(|warp| work(warp, &grid)).collect();
+    let mut works: Vec<Work> = warps
+        .iter()
+        .map(|warp| work(context, warp, &grid))
+        .collect();
     let times = in_turns(context, &mut works)?;
     let points = WIDEST_PX.iter().zip(errors).zip(times);
     let points = points.map(|((widest, error), time)| {
