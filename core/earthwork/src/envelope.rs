@@ -54,7 +54,8 @@ struct Edge {
 
 fn lead(rise: f64, slope: f64) -> f64 {
     let share = rise / slope;
-    let rest = 1.0 - share * share;
+    // A difference of squares would lose all digits next to 1.
+    let rest = (1.0 - share) * (1.0 + share);
     if rest > 0.0 {
         share / rest.sqrt()
     } else {

@@ -1,19 +1,14 @@
 //! Smooth infill: a membrane through the ground's heights at the boundary.
 //!
 //! Laplace's equation by linear finite elements on a Delaunay mesh of boundary corners and a hexagonal
-//! lattice inside, solved by conjugate gradients.
+//! lattice inside; solved by [`harmonic`].
 
 use glam::DVec2;
 
 use crate::envelope::{Envelope, Segment};
+use crate::harmonic::harmonic;
 use crate::rings::Rings;
 use crate::tin::{Corner, Tin, triangulate};
-
-/// Residual at which the solution is taken, relative to the start's.
-pub(crate) const RESIDUAL: f64 = 1e-9;
-
-/// Steps after which it is taken anyway.
-const MOST_STEPS: usize = 5_000;
 
 /// Nodes inside, at most.
 const MOST_NODES: f64 = 30_000.0;
@@ -63,102 +58,15 @@ pub(crate) fn membrane(
         .into_iter()
         .filter(|t| rings.contains((at[t[0]] + at[t[1]] + at[t[2]]) / 3.0))
         .collect();
-    solve(&mut nodes, fixed, &inside);
-    Some(Tin::new(&nodes, &inside))
-}
-
-/// A symmetric matrix by rows.
-struct Stiffness {
-    rows: Vec<Vec<(usize, f64)>>,
-}
-
-impl Stiffness {
-    /// Cotangent weights of the triangles.
-    fn new(nodes: &[Corner], triangles: &[[usize; 3]]) -> Self {
-        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); nodes.len()];
-        let mut add = |i: usize, k: usize, v: f64| match rows[i].iter_mut().find(|(at, _)| *at == k)
-        {
-            Some((_, sum)) => *sum += v,
-            None => rows[i].push((k, v)),
-        };
-        for t in triangles {
-            for k in 0..3 {
-                let (tip, a, b) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
-                let (u, v) = (nodes[a].at - nodes[tip].at, nodes[b].at - nodes[tip].at);
-                let area = u.perp_dot(v).abs();
-                if area < 1e-12 {
-                    continue;
-                }
-                let weight = (u.dot(v) / area * 0.5).clamp(-1e3, 1e3);
-                add(a, b, -weight);
-                add(b, a, -weight);
-                add(a, a, weight);
-                add(b, b, weight);
-            }
-        }
-        Self { rows }
-    }
-
-    fn times(&self, from: usize, x: &[f64], out: &mut [f64]) {
-        for (row, out) in self.rows[from..].iter().zip(&mut out[from..]) {
-            *out = row.iter().map(|(k, v)| v * x[*k]).sum();
-        }
-    }
-}
-
-/// Solves for the nodes from `fixed` on; the others keep their heights.
-fn solve(nodes: &mut [Corner], fixed: usize, triangles: &[[usize; 3]]) {
-    let n = nodes.len();
-    if fixed == 0 || fixed == n {
-        return;
-    }
-    let mean = nodes[..fixed].iter().map(|c| c.height_m).sum::<f64>() / fixed as f64;
-    // Heights above the mean: fewer digits to lose.
-    let mut x: Vec<f64> = nodes
+    let known_m: Vec<Option<f64>> = nodes
         .iter()
         .enumerate()
-        .map(|(i, c)| if i < fixed { c.height_m - mean } else { 0.0 })
+        .map(|(i, c)| (i < fixed).then_some(c.height_m))
         .collect();
-    let matrix = Stiffness::new(nodes, triangles);
-    let diagonal: Vec<f64> = (0..n)
-        .map(|i| {
-            let own = matrix.rows[i].iter().find(|(k, _)| *k == i);
-            own.map_or(1.0, |(_, v)| v.max(1e-9))
-        })
-        .collect();
-    let mut product = vec![0.0; n];
-    matrix.times(fixed, &x, &mut product);
-    let mut residual: Vec<f64> = product.iter().map(|v| -v).collect();
-    residual[..fixed].fill(0.0);
-    let mut direction: Vec<f64> = residual.iter().zip(&diagonal).map(|(r, d)| r / d).collect();
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let scaled = |r: &[f64]| -> f64 { r.iter().zip(&diagonal).map(|(r, d)| r * r / d).sum() };
-    let mut size = scaled(&residual);
-    let enough = size * RESIDUAL * RESIDUAL;
-    for _ in 0..MOST_STEPS {
-        if size <= enough || size == 0.0 {
-            break;
-        }
-        matrix.times(fixed, &direction, &mut product);
-        let curvature = dot(&direction[fixed..], &product[fixed..]);
-        if curvature <= 0.0 {
-            break;
-        }
-        let step = size / curvature;
-        for i in fixed..n {
-            x[i] += step * direction[i];
-            residual[i] -= step * product[i];
-        }
-        let next = scaled(&residual);
-        let keep = next / size;
-        for i in fixed..n {
-            direction[i] = residual[i] / diagonal[i] + keep * direction[i];
-        }
-        size = next;
+    for (node, height_m) in nodes.iter_mut().zip(harmonic(&at, &inside, &known_m)) {
+        node.height_m = height_m;
     }
-    for (node, x) in nodes.iter_mut().zip(x).skip(fixed) {
-        node.height_m = mean + x;
-    }
+    Some(Tin::new(&nodes, &inside))
 }
 
 #[cfg(test)]

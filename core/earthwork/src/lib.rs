@@ -17,6 +17,7 @@ pub mod element;
 mod envelope;
 mod footprint;
 pub mod frame;
+pub mod harmonic;
 mod identity;
 pub mod index;
 mod infill;
@@ -28,6 +29,7 @@ mod solid;
 mod strip;
 mod tin;
 mod tree;
+mod twofold;
 pub mod warning;
 
 pub use daylight::{DaylightLine, Ending, HeightsOf};
@@ -36,6 +38,7 @@ pub use element::{
     Corridor, Element, Polygon, Profile, Section, Shape, Side, Stroke, Surface, Tool, Vertex,
 };
 pub use frame::{Frame, MapRect};
+pub use harmonic::harmonic;
 pub use index::MapIndex;
 pub use prepared::{GroundNeed, Prepared, Shaped};
 pub use warning::{Warning, WarningKind};

@@ -76,7 +76,10 @@ pub(crate) struct Tin {
 
 impl Tin {
     pub(crate) fn new(corners: &[Corner], triangles: &[[usize; 3]]) -> Self {
-        let triangles: Vec<[Corner; 3]> = triangles.iter().map(|t| t.map(|k| corners[k])).collect();
+        let triangles: Vec<[Corner; 3]> = triangles
+            .iter()
+            .map(|t| shortest_first(t.map(|k| corners[k])))
+            .collect();
         let bounds: Vec<Bounds> = triangles
             .iter()
             .map(|[a, b, c]| {
@@ -132,5 +135,47 @@ impl Tin {
     }
 }
 
+/// The same triangle, turned so that its first two corners are the two nearest to each other.
+///
+/// Weights are quotients by the area. In a needle the area keeps its digits only as the cross product
+/// of the short edge with a long one, and what two long edges say of the far end's weight is noise.
+fn shortest_first(mut corners: [Corner; 3]) -> [Corner; 3] {
+    let length = |k: usize| (corners[(k + 1) % 3].at - corners[k].at).length_squared();
+    let shortest = (0..3).min_by(|a, b| length(*a).total_cmp(&length(*b)));
+    corners.rotate_left(shortest.unwrap_or(0));
+    corners
+}
+
 /// How far outside of all triangles a point still belongs to one, metres.
 const SLACK_M: f64 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn needles_keep_the_plane_through_their_corners_in_any_order_of_corners() {
+        // A kilometre long and from a nanometre to a metre wide, away from the origin.
+        let plane = |p: DVec2| 300.0 + 0.7 * p.x - 1.3 * p.y;
+        let far = DVec2::new(-1203.3, 877.1);
+        let along = DVec2::new(0.6, 0.8);
+        for width in [1e-9, 1e-6, 1e-3, 1.0] {
+            let at = [far, far + along.perp() * width, far + along * 1000.0];
+            let corners = at.map(|at| Corner {
+                at,
+                height_m: plane(at),
+            });
+            for order in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
+                let tin = Tin::new(&corners, &[order]);
+                for k in 0..=50 {
+                    let p = at[0].lerp(at[2], f64::from(k) / 50.0);
+                    let height_m = tin.height_m(p, &[0]).expect("on the edge");
+                    assert!(
+                        (height_m - plane(p)).abs() < 1e-9,
+                        "{width} {order:?} {k}: {height_m}"
+                    );
+                }
+            }
+        }
+    }
+}
