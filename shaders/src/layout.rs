@@ -42,6 +42,9 @@ pub struct FrameUniform {
     pub normal_levels: u32,
     pub colour_window: f32,
     pub first_height_ring: i32,
+    pub reference_height_m: f32,
+    pub reference_drawn_m: f32,
+    pub padding: [f32; 2],
 }
 
 /// `LevelView` of `lib/clipmap.wgsl`.

@@ -56,6 +56,8 @@ fn the_frame_uniform_has_the_offsets_wgsl_gives_it() {
         normal_levels,
         colour_window,
         first_height_ring,
+        reference_height_m,
+        reference_drawn_m,
     });
     for entry in [Entry::Displace, Entry::Terrain, Entry::Sky, Entry::Masses] {
         assert_eq!(naga_members(entry, "Frame"), rust);

@@ -20,9 +20,10 @@ struct DisplaceRange {
 @group(1) @binding(2) var<storage, read_write> displaced: array<vec4f>;
 @group(1) @binding(3) var<uniform> range: DisplaceRange;
 
-// Height of a level at `delta` from the focus, metres: bilinear by hand, because 32-bit floats
-// need not be filterable and columns wrap with the level's own period.
-fn height_at(level: u32, delta: vec2f) -> f32 {
+// Height of a level at `delta` from the focus over the reference, metres: bilinear by hand, because
+// 32-bit floats need not be filterable and columns wrap with the level's own period. The reference is
+// taken off first, where the difference of like heights is exact.
+fn rise_at(level: u32, delta: vec2f) -> f32 {
     let offset = delta * clip_levels[level].samples_per_rad;
     let corner = storage_of(level, offset) - 0.5;
     let low = floor(corner);
@@ -32,22 +33,22 @@ fn height_at(level: u32, delta: vec2f) -> f32 {
     let b = (a + 1) % period;
     let layer = i32(clip_levels[level].layer);
     let north = mix(
-        textureLoad(heights, vec2i(a.x, a.y), layer, 0).x,
-        textureLoad(heights, vec2i(b.x, a.y), layer, 0).x,
+        textureLoad(heights, vec2i(a.x, a.y), layer, 0).x - frame.reference_height_m,
+        textureLoad(heights, vec2i(b.x, a.y), layer, 0).x - frame.reference_height_m,
         t.x,
     );
     let south = mix(
-        textureLoad(heights, vec2i(a.x, b.y), layer, 0).x,
-        textureLoad(heights, vec2i(b.x, b.y), layer, 0).x,
+        textureLoad(heights, vec2i(a.x, b.y), layer, 0).x - frame.reference_height_m,
+        textureLoad(heights, vec2i(b.x, b.y), layer, 0).x - frame.reference_height_m,
         t.x,
     );
     return mix(north, south, t.y);
 }
 
-// Height of the terrain at a vertex, metres; 0 where no level is valid.
-fn terrain_height(vertex: vec4f) -> f32 {
+// Height of the terrain at a vertex over the reference, metres; the datum where no level is valid.
+fn terrain_rise(vertex: vec4f) -> f32 {
     if (frame.height_levels == 0u) {
-        return 0.0;
+        return -frame.reference_height_m;
     }
     let delta = map_delta(vertex.xyz, frame.sin_cos_colat);
     let ring = ceil(vertex.w);
@@ -59,16 +60,16 @@ fn terrain_height(vertex: vec4f) -> f32 {
     let stack = LevelStack(0u, frame.height_levels);
     let choice = height_level_for(stack, level, select(0.0, rim, blends), delta);
     if (choice.fine == NO_LEVEL) {
-        return 0.0;
+        return -frame.reference_height_m;
     }
-    var height = 0.0;
+    var rise = 0.0;
     if (choice.coarse_weight < 1.0) {
-        height = (1.0 - choice.coarse_weight) * height_at(choice.fine, delta);
+        rise = (1.0 - choice.coarse_weight) * rise_at(choice.fine, delta);
     }
     if (choice.coarse_weight > 0.0) {
-        height += choice.coarse_weight * height_at(choice.coarse, delta);
+        rise += choice.coarse_weight * rise_at(choice.coarse, delta);
     }
-    return height;
+    return rise;
 }
 
 @compute @workgroup_size(64)
@@ -77,9 +78,12 @@ fn displace(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let vertex = vertices[range.first + id.x];
-    let height = terrain_height(vertex) * frame.exaggeration;
-    // (R + h) * (u, v, w) - (0, 0, R), without the difference of two planet radii.
+    // Twin: relievo_planet::transform::displaced_f32.
+    let rise = terrain_rise(vertex) * frame.exaggeration;
+    let height = frame.reference_drawn_m + rise;
+    // (R + h) * (u, v, w) - (0, 0, R + r), r the drawn reference, without the difference of two planet
+    // radii or of two mountains.
     let from_focus = (frame.radius_m + height) * vec3f(vertex.x, vertex.y, -vertex.z)
-        + vec3f(0.0, 0.0, height);
+        + vec3f(0.0, 0.0, rise);
     displaced[range.first + id.x] = vec4f(from_focus + frame.focus_from_eye_m, height);
 }

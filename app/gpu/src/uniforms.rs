@@ -33,7 +33,9 @@ pub fn frame_uniform(frame: &Frame, size_px: [u32; 2], look: Look) -> FrameUnifo
     let aspect = f64::from(size_px[0].max(1)) / f64::from(size_px[1].max(1));
     let view = View::new(camera, planet, size_px);
     let eye = view.eye;
-    let focus_from_eye = focus_from_world * (world_from_focus.z_axis * planet.radius_m - eye);
+    let (reference_m, reference_drawn_m) = reference(frame);
+    let focus = world_from_focus.z_axis * (planet.radius_m + reference_drawn_m);
+    let focus_from_eye = focus_from_world * (focus - eye);
     let clip_from_eye =
         camera.view_projection(planet, aspect, frame.near_m) * DMat4::from_mat3(world_from_focus);
     let turned = |v: DVec3| (focus_from_world * v).as_vec3().to_array();
@@ -60,6 +62,9 @@ pub fn frame_uniform(frame: &Frame, size_px: [u32; 2], look: Look) -> FrameUnifo
         colour_window: frame.colour_window as f32,
         // Ring 1 and the wider ones read the coarsest level: `Plan::height_level_of_ring`.
         first_height_ring: -1,
+        reference_height_m: reference_m,
+        reference_drawn_m: reference_drawn_m as f32,
+        padding: [0.0; 2],
     }
 }
 
@@ -69,6 +74,21 @@ fn sin_cos_colat(world_from_focus: DMat3) -> (f64, f64) {
         (-world_from_focus.x_axis.z).max(0.0),
         world_from_focus.z_axis.z,
     )
+}
+
+/// Height of the ground below the eye that heights are drawn relative to, and the same with
+/// exaggeration.
+///
+/// Single precision has 8 mm at 100 km: beside an eye a metre above such a mountain, or above one that
+/// is exaggerated to it, the ground would tremble by pixels.
+fn reference(frame: &Frame) -> (f32, f64) {
+    let drawn_m = frame.camera.altitude_m - frame.plan.clearance_m;
+    let natural_m = (drawn_m / frame.exaggeration) as f32;
+    if natural_m.is_finite() {
+        (natural_m, f64::from(natural_m) * frame.exaggeration)
+    } else {
+        (0.0, 0.0)
+    }
 }
 
 fn count(levels: &[LevelView]) -> u32 {

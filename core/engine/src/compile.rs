@@ -17,7 +17,7 @@ use parking_lot::Mutex;
 use relievo_graph::nodes::{EdgeFade, FileSource};
 use relievo_graph::{Graph, GraphBuilder, ImageNode, NodeIndex};
 use relievo_planet::{LevelKey, Planet};
-use relievo_project::{Layer, LayerId, LayerKind, Project, Resampling, Source};
+use relievo_project::{Layer, LayerId, LayerKind, NoiseMode, Project, Resampling, Source};
 use relievo_raster::kernel::Kernel;
 use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
@@ -198,6 +198,8 @@ impl Compiler<'_> {
             "opacity 0"
         } else if matches!(layer.kind, LayerKind::Unknown { .. }) {
             "unknown kind"
+        } else if let Some(reason) = without_effect(&layer.kind) {
+            reason
         } else {
             return true;
         };
@@ -321,6 +323,28 @@ impl Compiler<'_> {
         // Places are dear, and no slider changes them.
         self.builder.cut(mask, SampleType::Mask32F);
         Some((vec![base, top, mask], true))
+    }
+}
+
+/// Why a layer of this kind cannot change any sample, if so.
+fn without_effect(kind: &LayerKind) -> Option<&'static str> {
+    match kind {
+        LayerKind::Noise(layer) => {
+            let noise = &layer.noise;
+            let adds = noise.mode == NoiseMode::Add;
+            (adds && noise.amplitude_m == 0.0 && noise.offset_m == 0.0).then_some("adds nothing")
+        }
+        LayerKind::Slope(slope) => (slope.stops.iter().all(|s| s.opacity <= 0.0))
+            .then_some("all of its colours are transparent"),
+        LayerKind::Contours(lines) => {
+            let no_index = lines.index_every == 0 || lines.index_width_px <= 0.0;
+            (lines.width_px <= 0.0 && no_index).then_some("its lines have no width")
+        }
+        LayerKind::Height(_)
+        | LayerKind::Imagery(_)
+        | LayerKind::Tint(_)
+        | LayerKind::Vector(_)
+        | LayerKind::Unknown { .. } => None,
     }
 }
 

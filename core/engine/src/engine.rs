@@ -4,8 +4,10 @@ mod ahead;
 mod asking;
 mod bodies;
 mod edits;
+mod exaggeration;
 mod follow;
 mod keeping;
+mod leaving_out;
 mod options;
 mod overlays;
 mod picture;
@@ -264,6 +266,7 @@ impl Engine {
             self.publish();
         }
         self.replan(&view);
+        self.tell_exaggeration();
         self.observe(&view, dt_s);
         let mut budget = if ready || dt_s.is_infinite() {
             usize::MAX
@@ -353,11 +356,6 @@ impl Engine {
         self.messages.all()
     }
 
-    /// Layers that the shown picture leaves out, and why: hidden, opacity 0, no file.
-    pub fn left_out(&self) -> &[(LayerId, &'static str)] {
-        &self.shown.left_out
-    }
-
     /// Which tiles were made since the last call; empty unless asked for in the options.
     pub fn take_log(&self) -> Vec<LogEntry> {
         self.tiles.take_log()
@@ -401,7 +399,12 @@ impl Engine {
     /// Where a ray from the eye meets the drawn ground, and the ground's height there in metres.
     pub fn cast(&self, eye: DVec3, direction: DVec3) -> Option<(MapPoint, f64)> {
         let planet = self.project.planet.body.figure();
-        let exaggeration = self.project.planet.vertical_exaggeration;
-        terrain::cast(&self.stacks.height, planet, exaggeration, eye, direction)
+        terrain::cast(
+            &self.stacks.height,
+            planet,
+            self.exaggeration(),
+            eye,
+            direction,
+        )
     }
 }

@@ -173,7 +173,7 @@ impl<'a> Picture<'a> {
         let eye = camera.eye(&planet);
         let distance_m = match engine.cast(eye, basis.forward) {
             Some((at, height_m)) => {
-                let exaggeration = engine.project().planet.vertical_exaggeration;
+                let exaggeration = engine.exaggeration();
                 planet.position(at, height_m * exaggeration).distance(eye)
             }
             None => camera.altitude_m.max(1.0),
@@ -187,7 +187,7 @@ impl<'a> Picture<'a> {
             size_px,
             focal_px,
             radius_m: planet.radius_m,
-            exaggeration: engine.project().planet.vertical_exaggeration,
+            exaggeration: engine.exaggeration(),
             middle_sample_m: distance_m / focal_px,
         }
     }

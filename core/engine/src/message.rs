@@ -38,6 +38,8 @@ pub(crate) struct Messages {
     sources: usize,
     /// How many behind those are about planning elements on their ground, replaced as a whole too.
     ground: usize,
+    /// And behind those about how the picture departs from the project.
+    drawn: usize,
 }
 
 impl Messages {
@@ -47,7 +49,7 @@ impl Messages {
 
     pub(crate) fn clear(&mut self) {
         self.all.clear();
-        (self.sources, self.ground) = (0, 0);
+        (self.sources, self.ground, self.drawn) = (0, 0, 0);
     }
 
     pub(crate) fn tile_failed(&mut self, error: &Arc<RenderError>) {
@@ -64,7 +66,7 @@ impl Messages {
 
     /// Forgets what tiles said: their causes may be gone.
     pub(crate) fn forget_tiles(&mut self) {
-        self.all.truncate(self.sources + self.ground);
+        self.all.truncate(self.sources + self.ground + self.drawn);
     }
 
     pub(crate) fn replace_sources(&mut self, problems: &[Message]) {
@@ -80,5 +82,12 @@ impl Messages {
         let range = self.sources..self.sources + self.ground;
         self.all.splice(range, problems);
         self.ground = count;
+    }
+
+    pub(crate) fn replace_drawn(&mut self, problem: Option<Message>) {
+        let count = usize::from(problem.is_some());
+        let first = self.sources + self.ground;
+        self.all.splice(first..first + self.drawn, problem);
+        self.drawn = count;
     }
 }

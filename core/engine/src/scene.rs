@@ -1,6 +1,6 @@
 //! One revision of a project, compiled: the graph, its roots, and the names of their tiles.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use parking_lot::Mutex;
@@ -130,22 +130,29 @@ impl Scene {
             (Some(_), None) if self.graph.node(detail.node).output() != Bands::Height => 0,
             _ => detail.finest,
         };
-        let reaches = |n: u8, detail: &Detail| {
-            let node = detail.node;
-            if let Some(elements) = &detail.within {
-                return !elements.is_idle(&grid_of(n));
-            }
-            !self
-                .graph
-                .known(node, &grid_of(n))
-                .is_absent(self.graph.node(node).output())
+        let roots = [
+            Some(self.roots.height),
+            self.roots.colour,
+            self.roots.normal,
+        ];
+        // What is absent there, or covered, is not worth a level.
+        let decides = |n: u8| {
+            let grid = grid_of(n);
+            let roots = roots.into_iter().flatten();
+            let made_by: HashSet<NodeIndex> = roots
+                .flat_map(|root| self.graph.made_by(root, &grid))
+                .collect();
+            move |node: NodeIndex| made_by.contains(&node)
         };
-        (0..=self.finest())
+        (1..=self.finest())
             .rev()
             .find(|n| {
-                self.details
-                    .iter()
-                    .any(|d| finest(d) >= *n && reaches(*n, d))
+                let mut fine = self.details.iter().filter(|d| finest(d) >= *n).peekable();
+                if fine.peek().is_none() {
+                    return false;
+                }
+                let decides = decides(*n);
+                fine.any(|d| decides(d.node))
             })
             .unwrap_or(0)
     }

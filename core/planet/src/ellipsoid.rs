@@ -20,6 +20,9 @@ pub struct Planet {
     pub flattening: f64,
 }
 
+/// No ground is drawn nearer to the planet's centre than this part of its radius.
+pub const LEAST_RADIUS_SHARE: f64 = 0.1;
+
 /// Why a planet's figure is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanetError {
@@ -59,6 +62,18 @@ impl core::fmt::Display for PlanetError {
 impl core::error::Error for PlanetError {}
 
 impl Planet {
+    /// The greatest factor e on heights for which the lowest ground stays above a tenth of the radius:
+    /// R + e · h ≥ 0.1 R. Infinite where no ground lies below the datum.
+    ///
+    /// - `lowest_m`: lowest height above the datum, metres.
+    pub fn greatest_exaggeration(&self, lowest_m: f64) -> f64 {
+        if lowest_m < 0.0 {
+            (1.0 - LEAST_RADIUS_SHARE) * self.radius_m / -lowest_m
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Earth: sphere of the mean radius, WGS 84 ellipsoid.
     pub const EARTH: Self = Self {
         radius_m: 6_371_008.8,

@@ -12,7 +12,7 @@
 pub mod classic;
 pub mod forms;
 
-use glam::{DVec2, Vec2};
+use glam::{DVec2, Vec2, Vec3};
 
 use crate::MapPoint;
 
@@ -143,6 +143,32 @@ fn map_delta_with(vertex: [f32; 3], sin_cos_colat: Vec2, atan2: impl Fn(f32, f32
     Vec2::new(atan2(v, px), atan2(u + c * d, rho * s + pz * c))
 }
 
+/// Where a ring vertex lies from the eye once it is lifted to the terrain, metres along the focus' axes
+/// (south, east, up), as the shader does it.
+///
+/// - `vertex`: [u, v, 1 − w] as stored; `radius_m`: the planet's.
+/// - `rise_m`: drawn height minus `reference_m`, formed before anything was rounded to metres of a
+///   mountain; `reference_m`: a drawn height near that of the ground below the eye.
+/// - `focus_from_eye_m`: the focus at `reference_m` above the sphere, minus the eye.
+///
+/// With (R + r + rise) · (u, v, w) − (0, 0, R + r) nothing of a planet's or a mountain's size is
+/// subtracted, so that the error is some 10⁻⁷ of the distance from the eye.
+///
+/// Twin: `displace` in WGSL.
+pub fn displaced_f32(
+    vertex: [f32; 3],
+    radius_m: f32,
+    rise_m: f32,
+    reference_m: f32,
+    focus_from_eye_m: Vec3,
+) -> Vec3 {
+    let [u, v, one_minus_w] = vertex;
+    let height_m = reference_m + rise_m;
+    (radius_m + height_m) * Vec3::new(u, v, -one_minus_w)
+        + Vec3::new(0.0, 0.0, rise_m)
+        + focus_from_eye_m
+}
+
 /// Coefficients of [`atan_poly`] in powers of t², lowest first: minimax on 0 ≤ t ≤ 1.
 pub const ATAN_POLY: [f32; 9] = [
     0.999_999_9,
@@ -267,6 +293,58 @@ mod tests {
                 (f64::from(single.y) + colat).abs() < 5e-7 * colat.max(1e-30),
                 "{colat}: {single}"
             );
+        }
+    }
+
+    #[test]
+    fn ground_beside_an_eye_on_any_mountain_is_placed_to_a_millionth_of_its_distance() {
+        for planet_m in [1e3_f64, 6_371_008.8, 7e7] {
+            for ground_m in [-0.5 * planet_m.min(2e5), 0.0, 8848.0, 1e5, 8.848e5] {
+                for clearance_m in [1.0, 30.0, 1e4] {
+                    // Steps beside the eye of up to the clearance, and rings around it.
+                    for k in 0..400 {
+                        let angle = clearance_m / planet_m * libm::exp2(f64::from(k % 9) - 6.0);
+                        if angle > 1.0 {
+                            continue;
+                        }
+                        let vertex = RingVertex::from_polar(angle, f64::from(k) * 2.399);
+                        let stored = vertex.to_f32();
+                        let rise = 0.7 * clearance_m * libm::sin(f64::from(k) * 1.7);
+                        let reference = f64::from(ground_m as f32);
+                        let eye = [
+                            -0.4 * clearance_m,
+                            0.3 * clearance_m,
+                            planet_m + ground_m + clearance_m,
+                        ];
+                        let focus = [0.0, 0.0, planet_m + reference];
+                        let from_eye: [f64; 3] = core::array::from_fn(|i| focus[i] - eye[i]);
+                        let found = displaced_f32(
+                            stored,
+                            planet_m as f32,
+                            rise as f32,
+                            reference as f32,
+                            Vec3::from_array(from_eye.map(|v| v as f32)),
+                        );
+                        let [u, v, z] = stored.map(f64::from);
+                        let r = planet_m + reference + rise;
+                        let exact = [
+                            r * u - eye[0],
+                            r * v - eye[1],
+                            (r - planet_m - reference) - r * z + from_eye[2],
+                        ];
+                        let miss = (0..3)
+                            .map(|i| (f64::from(found[i]) - exact[i]).powi(2))
+                            .sum::<f64>()
+                            .sqrt();
+                        let distance = exact.iter().map(|x| x * x).sum::<f64>().sqrt();
+                        let at = (planet_m, ground_m, clearance_m, k);
+                        assert!(
+                            miss < 1e-6 * (distance + clearance_m),
+                            "{at:?}: {miss} at {distance}"
+                        );
+                    }
+                }
+            }
         }
     }
 

@@ -14,7 +14,7 @@ struct Frame {
     ray_up: vec3f,
     // Angle of a pixel in the middle of the picture, radians.
     pixel_rad: f32,
-    // The focus on the sphere minus the eye.
+    // The focus, raised by the exaggerated reference height, minus the eye.
     focus_from_eye_m: vec3f,
     // Height of the eye above the sphere.
     altitude_m: f32,
@@ -35,4 +35,9 @@ struct Frame {
     colour_window: f32,
     // Index of the height level that ring 1 reads, minus 1; negative when finer levels come first.
     first_height_ring: i32,
+    // Height in metres, without exaggeration, of the ground near the eye: heights are drawn relative
+    // to it, so that they have the digits that a planet's mountains would take.
+    reference_height_m: f32,
+    // The same with exaggeration.
+    reference_drawn_m: f32,
 }

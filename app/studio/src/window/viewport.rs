@@ -299,7 +299,7 @@ impl Studio {
     pub(super) fn hit(&self, rect: Rect, at: Pos2) -> Option<Hit> {
         let (eye, ray) = self.ray(rect, at, self.navigation.camera());
         let (point, height_m) = self.document.engine().cast(eye, ray)?;
-        let ground_m = height_m * self.document.project().planet.vertical_exaggeration;
+        let ground_m = height_m * self.document.engine().exaggeration();
         Some(Hit {
             direction: point.to_unit(),
             ground_m,
@@ -328,8 +328,8 @@ impl Studio {
 
     /// Height of the drawn ground at a place, exaggerated, metres.
     pub(super) fn ground_m(&self, point: MapPoint) -> f64 {
-        self.document.engine().ground_m(point)
-            * self.document.project().planet.vertical_exaggeration
+        let engine = self.document.engine();
+        engine.ground_m(point) * engine.exaggeration()
     }
 }
 

@@ -35,7 +35,7 @@ impl Engine {
         }
         self.ahead.clock_s += f64::from(dt_s.max(0.0));
         let radius_m = self.project.planet.body.figure().radius_m;
-        let ground_m = self.planned_on.1 * self.project.planet.vertical_exaggeration;
+        let ground_m = self.planned_on.1 * self.exaggeration();
         let clock_s = self.ahead.clock_s;
         let path = &mut self.ahead.path;
         path.observe(clock_s, &view.camera, ground_m, radius_m);

@@ -19,7 +19,7 @@ impl Engine {
         let around = Around {
             scene: Arc::clone(&self.shown),
             planet: settings.body.figure(),
-            exaggeration: settings.vertical_exaggeration,
+            exaggeration: self.exaggeration(),
             place: self
                 .plan
                 .as_ref()

@@ -17,6 +17,7 @@ impl Engine {
     /// # Errors
     /// When the edit does not fit the project; nothing has changed then.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
+        self.check_exaggeration(&edit)?;
         let affects = edit.affects();
         // Where the viewer is goes into the file with a save; it is no work to be lost.
         let is_kept = self.keeps() && !matches!(edit, Edit::SetCamera { .. });

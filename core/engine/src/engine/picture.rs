@@ -25,7 +25,7 @@ impl Engine {
         Frame {
             revision: self.shown.revision,
             planet,
-            exaggeration: settings.vertical_exaggeration,
+            exaggeration: self.exaggeration(),
             camera: view.camera,
             viewport_px: view.viewport_px,
             near_m: (plan.clearance_m * 0.25).max(0.05),

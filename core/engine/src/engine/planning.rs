@@ -41,7 +41,7 @@ impl Engine {
             viewport_px: view.viewport_px,
             ground_m: self.planned_on.1,
             terrain,
-            exaggeration: settings.vertical_exaggeration,
+            exaggeration: self.exaggeration(),
             quality: Quality {
                 height_samples: HEIGHT_WINDOW,
                 colour_samples: view.colour_window,
@@ -60,7 +60,7 @@ impl Engine {
         PlanQuery {
             view: *view,
             planet: settings.body.figure(),
-            exaggeration: settings.vertical_exaggeration,
+            exaggeration: self.exaggeration(),
             ground: self.planned_on,
             finest: self.finest,
             shows: ClipKind::ALL.map(|kind| self.shown.root(kind).is_some()),

@@ -12,6 +12,7 @@ use super::tile_set::TileSet;
 use super::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN};
 use super::view::{FocusFrame, View};
 use super::window::Window;
+use crate::ellipsoid::LEAST_RADIUS_SHARE;
 use crate::tile::MAX_EXPONENT;
 use crate::{LevelKey, MapPoint, SampleRect};
 
@@ -52,7 +53,8 @@ impl Planner {
         let heights_range = drawn(input.terrain.everywhere(), input.exaggeration);
         let ground_m = input.ground_m * input.exaggeration;
         let clearance_m = (input.camera.altitude_m - ground_m).max(LEAST_CLEARANCE_M);
-        let ground_radius_m = (planet.radius_m + ground_m).max(0.5 * planet.radius_m);
+        let ground_radius_m =
+            (planet.radius_m + ground_m).max(LEAST_RADIUS_SHARE * planet.radius_m);
         let pixel_rad = 2.0 * view.tan_half.y / f64::from(input.viewport_px[1].max(1));
         let horizon = horizon_rad(
             view.eye.length(),

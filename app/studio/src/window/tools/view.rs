@@ -34,7 +34,7 @@ impl<'a> Projector<'a> {
             basis: camera.basis(&planet),
             half: [half_y * f64::from(rect.aspect_ratio()), half_y],
             radius_m: planet.radius_m,
-            exaggeration: engine.project().planet.vertical_exaggeration,
+            exaggeration: engine.exaggeration(),
         }
     }
 
