@@ -181,7 +181,7 @@ pub(crate) fn bench() -> Result<()> {
     bench::bench(cargo()?, &root()?)
 }
 
-/// Formatting, clippy and documentation, warnings denied.
+/// Formatting, clippy and documentation, warnings denied; and readers without what can be left out.
 pub(crate) fn ci() -> Result<()> {
     setup::ensure(false, Display::None)?;
     succeed(cargo()?.args(["fmt", "--all", "--check"]))?;
@@ -193,6 +193,10 @@ pub(crate) fn ci() -> Result<()> {
         "--deny",
         "warnings",
     ]))?;
+    // Each alone: together they would switch each other's features on.
+    for package in ["relievo-raster", "relievo-vector", "relievo-engine"] {
+        succeed(cargo()?.args(["check", "--package", package, "--no-default-features"]))?;
+    }
     let mut doc = cargo()?;
     doc.args([
         "doc",

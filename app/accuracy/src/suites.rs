@@ -1,10 +1,18 @@
 //! The suites, one file each.
 
+pub mod leaving_out;
 pub mod noise;
 pub mod resample;
+pub mod stability;
 pub mod transform;
 
 use crate::Suite;
 
 /// All of them, in the order of a full report.
-pub const ALL: &[Suite] = &[transform::SUITE, resample::SUITE, noise::SUITE];
+pub const ALL: &[Suite] = &[
+    transform::SUITE,
+    resample::SUITE,
+    noise::SUITE,
+    stability::SUITE,
+    leaving_out::SUITE,
+];

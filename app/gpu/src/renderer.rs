@@ -22,7 +22,7 @@ use crate::quality::{Look, Quality};
 use crate::readback::{self, Picture, ReadError};
 use crate::sky::SkyPass;
 use crate::stats::FrameStats;
-use crate::targets::Targets;
+use crate::targets::{self, Targets};
 use crate::terrain::{TerrainKey, TerrainPass};
 use crate::timing::FrameTimer;
 use crate::uniforms::{LevelUniforms, frame_uniform, level_uniforms, shares_levels};
@@ -142,6 +142,28 @@ impl Renderer {
             targets,
             drawn: None,
         })
+    }
+
+    /// A renderer whose pictures no window shows.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn offscreen(gpu: &Gpu, quality: Quality) -> Result<Self, MeshStepsError> {
+        Self::new(gpu, targets::COLOUR_FORMAT, quality)
+    }
+
+    /// As [`Self::render`], submitted at once.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn render_now(&mut self, frame: &Frame) -> Result<FrameStats, RenderError> {
+        let label = Some("renderer/now");
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
+        let drawn = self.render(frame, &mut encoder)?;
+        self.queue.submit([encoder.finish()]);
+        Ok(drawn)
     }
 
     /// The same renderer on another device, after the loss of its own. It holds no samples: the

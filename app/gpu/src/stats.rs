@@ -30,3 +30,19 @@ pub struct FrameStats {
     /// device has no timestamps.
     pub measured: Option<FrameTime>,
 }
+
+impl FrameStats {
+    /// Parts of the drawing that the frame did without, and why: no shader, texture or draw call has them.
+    pub fn left_out(&self) -> Vec<(&'static str, &'static str)> {
+        let key = &self.pipeline;
+        [
+            (key.colour, "colours", "no layer gives colour"),
+            (key.normals, "light by slope", "no layer gives heights"),
+            (key.haze, "air", "the body has none, or haze is 0"),
+            (self.mass_triangles > 0, "bodies", "none is in view"),
+        ]
+        .into_iter()
+        .filter_map(|(is_used, part, why)| (!is_used).then_some((part, why)))
+        .collect()
+    }
+}

@@ -1,5 +1,6 @@
 //! Writing a region to a file: the graph evaluated on the file's own grid, block by block.
 
+#[cfg(feature = "openexr")]
 mod exr;
 
 use std::path::Path;
@@ -100,6 +101,7 @@ impl Questions {
             .map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("tif" | "tiff") => self.bake_cog(bake, &plan, path, threads, progress, cancel),
+            #[cfg(feature = "openexr")]
             Some("exr") => self.bake_exr(bake, &plan, path, threads, progress, cancel),
             Some("png") => self.bake_png(bake, &plan, path, progress, cancel),
             _ => Err(BakeError::Region(format!(

@@ -22,6 +22,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use glam::DVec3;
+use parking_lot::Mutex;
 use relievo_graph::ContentId;
 use relievo_planet::MapPoint;
 use relievo_planet::clipmap::plan::HeightRange;
@@ -106,6 +107,8 @@ pub struct Engine {
     /// What is odd about planning elements on their ground.
     survey: survey::Survey,
     wake: Option<Arc<dyn Fn() + Send + Sync>>,
+    /// Layers that decide nothing visible, as found out last.
+    unseen: Mutex<Option<leaving_out::Unseen>>,
     /// A visible tile waits for a file to be opened again.
     stuck: bool,
 }
@@ -191,6 +194,7 @@ impl Engine {
             asked: HashSet::new(),
             dirty: true,
             pending: 0,
+            unseen: Mutex::default(),
             stuck: false,
             bodies: None,
             survey: survey::Survey::default(),

@@ -14,6 +14,7 @@ mod georeference;
 mod ifd;
 mod jpeg;
 mod layout;
+#[cfg(feature = "lerc")]
 mod lerc;
 mod levels;
 mod meaning;

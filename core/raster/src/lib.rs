@@ -14,6 +14,7 @@ pub mod kernel;
 pub mod open;
 pub mod power;
 pub mod reduce;
+#[cfg(feature = "sqlite")]
 pub mod sqlite;
 pub mod tile;
 pub mod vector;
@@ -25,6 +26,7 @@ mod asciigrid;
 mod fault;
 mod geotiff;
 mod hgt;
+#[cfg(feature = "openexr")]
 mod openexr;
 mod parts;
 mod picture;

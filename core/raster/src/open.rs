@@ -8,9 +8,11 @@ use std::time::UNIX_EPOCH;
 
 use crate::chunk_cache::ChunkCache;
 use crate::file::{Cancel, Georeference, RasterFile, ReadError};
+#[cfg(feature = "openexr")]
+use crate::openexr;
 pub use crate::tileset::HeightEncoding;
 use crate::tileset::{self, Kind};
-use crate::{Bands, asciigrid, geotiff, hgt, openexr, picture};
+use crate::{Bands, asciigrid, geotiff, hgt, picture};
 
 /// Bytes of decoded samples that the chunk cache holds unless told otherwise.
 pub const DEFAULT_CHUNK_CACHE_BYTES: usize = 256 << 20;
@@ -251,6 +253,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Arc<dyn RasterFile>, O
         .and_then(|f| f.take(16).read_to_end(&mut head))
         .map_err(io)?;
     match head.as_slice() {
+        #[cfg(feature = "sqlite")]
         [b'S', b'Q', b'L', b'i', b't', b'e', ..] => {
             return tileset::open(path, Kind::MbTiles, options);
         }
@@ -289,6 +292,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Arc<dyn RasterFile>, O
             b'P',
             ..,
         ] => picture::open(path, picture::Format::WebP, options),
+        #[cfg(feature = "openexr")]
         [0x76, 0x2f, 0x31, 0x01, ..] => openexr::open(path, options),
         text if asciigrid::is_one(text) => asciigrid::open(path, options),
         _ if hgt::is_named(path) => hgt::open(path, options),
@@ -307,6 +311,13 @@ fn describe(head: &[u8]) -> String {
         [b'R', b'I', b'F', b'F', ..] => "a RIFF file that is no WebP".into(),
         [b'{' | b'[', ..] => "JSON text".into(),
         [b'P', b'K', ..] => "a ZIP archive".into(),
+        // Met only in programs that were built without the reader.
+        [0x76, 0x2f, 0x31, 0x01, ..] => {
+            "OpenEXR, which this program was built without (feature \"openexr\")".into()
+        }
+        [b'S', b'Q', b'L', b'i', b't', b'e', ..] => {
+            "a SQLite database, which this program was built without (feature \"sqlite\")".into()
+        }
         other => {
             let hex: Vec<String> = other.iter().take(4).map(|b| format!("{b:02x}")).collect();
             format!("a file that starts with {}", hex.join(" "))

@@ -15,6 +15,7 @@ mod encoding;
 mod fill;
 mod folder;
 mod frame;
+#[cfg(feature = "sqlite")]
 mod mbtiles;
 mod pmtiles;
 mod store;
@@ -45,6 +46,7 @@ pub(crate) enum Kind {
     /// A folder of files.
     Folder,
     /// An SQLite database.
+    #[cfg(feature = "sqlite")]
     MbTiles,
     /// One file with directories.
     PmTiles,
@@ -54,6 +56,7 @@ impl Kind {
     fn name(self) -> &'static str {
         match self {
             Self::Folder => "XYZ tiles",
+            #[cfg(feature = "sqlite")]
             Self::MbTiles => "MBTiles",
             Self::PmTiles => "PMTiles",
         }
@@ -97,6 +100,7 @@ pub(crate) fn open(
             facts.push_str(&listing);
             (Box::new(store), description)
         }
+        #[cfg(feature = "sqlite")]
         Kind::MbTiles => {
             let (store, description) =
                 mbtiles::MbTiles::open(path, options.tile_rows).map_err(on_open)?;

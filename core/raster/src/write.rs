@@ -1,6 +1,7 @@
 //! Writers: Cloud Optimised GeoTIFF, OpenEXR and PNG. Files appear whole or not at all.
 
 mod cog;
+#[cfg(feature = "openexr")]
 mod exr;
 mod geokeys;
 mod ifd;
@@ -9,6 +10,7 @@ mod picture;
 use std::path::{Path, PathBuf};
 
 pub use cog::{CogLayout, CogSamples, CogSource, CogWork, write_cog};
+#[cfg(feature = "openexr")]
 pub use exr::{ExrLayout, ExrSamples, ExrSource, write_exr};
 pub use picture::{Png, write_png};
 

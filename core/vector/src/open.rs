@@ -83,13 +83,15 @@ impl Format {
 /// database counts if it says that it is a GeoPackage with features.
 pub fn is_vector(path: &Path) -> bool {
     match format_of(path) {
+        #[cfg(feature = "geopackage")]
         Ok(Some(Format::GeoPackage)) => read::geopackage::has_features(path),
         Ok(Some(Format::GeoJson)) => {
             // A project is JSON too.
             let named = path.extension().and_then(|e| e.to_str());
             named.is_none_or(|e| !e.eq_ignore_ascii_case("relievo"))
         }
-        Ok(Some(Format::Shapefile | Format::FlatGeobuf)) => true,
+        // A format that this program was built without is told when it is opened.
+        Ok(Some(_)) => true,
         Ok(None) | Err(_) => false,
     }
 }
@@ -123,9 +125,21 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<(Features, Summary), V
         }
         match format {
             Format::GeoJson => read::geojson::read(path, options),
+            #[cfg(feature = "shapefile")]
             Format::Shapefile => read::shapefile::read(path, options),
+            #[cfg(feature = "geopackage")]
             Format::GeoPackage => read::geopackage::read(path, options),
+            #[cfg(feature = "flatgeobuf")]
             Format::FlatGeobuf => read::flatgeobuf::read(path, options),
+            #[cfg(not(all(
+                feature = "shapefile",
+                feature = "geopackage",
+                feature = "flatgeobuf"
+            )))]
+            left_out => unsupported(format!(
+                "found {}, which this program was built without",
+                left_out.name()
+            )),
         }
     };
     // Some of the libraries that decode these formats index before they look: what breaks them is

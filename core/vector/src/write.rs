@@ -6,6 +6,7 @@
 
 mod cut;
 mod geojson;
+#[cfg(feature = "geopackage")]
 mod geopackage;
 
 use std::io;
@@ -17,6 +18,7 @@ use crate::error::Fault;
 use crate::{Value, VectorError};
 
 pub use geojson::{to_geojson, write_geojson};
+#[cfg(feature = "geopackage")]
 pub use geopackage::write_geopackage;
 
 /// A place to write.

@@ -58,8 +58,9 @@ impl GraphView {
 
 /// What takes no part, and why.
 fn left_out(ui: &mut Ui, engine: &Engine) {
-    let left_out = engine.left_out();
-    if left_out.is_empty() {
+    let unseen = engine.unseen();
+    let mut left_out = engine.left_out().iter().chain(&unseen).peekable();
+    if left_out.peek().is_none() {
         return;
     }
     ui.horizontal_wrapped(|ui| {

@@ -102,6 +102,12 @@ pub(crate) fn show(ui: &mut Ui, engine: &Engine, frame: Option<&FrameStats>, sta
                     "Triangles of the latest frame",
                     frame.triangles.to_string(),
                 ));
+                let parts: Vec<&str> = frame.left_out().iter().map(|(part, _)| *part).collect();
+                right.push((
+                    "Left out",
+                    "Parts of the drawing that the scene does not use; layers are named in the graph",
+                    if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") },
+                ));
             }
             table(&mut columns[1], "frame", &right);
         });

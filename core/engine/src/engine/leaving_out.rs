@@ -2,14 +2,20 @@
 //! sample.
 
 use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
 
 use relievo_graph::{ContentId, NodeIndex};
 use relievo_planet::TileKey;
+use relievo_planet::clipmap::Plan;
 use relievo_project::LayerId;
 
 use super::Engine;
 use super::asking::named;
 use crate::frame::ClipKind;
+use crate::scene::Scene;
+
+/// Layers that decide nothing visible, of a revision and a plan.
+pub(super) type Unseen = (Arc<Scene>, Arc<Plan>, Vec<(LayerId, &'static str)>);
 
 impl Engine {
     /// Layers that the shown picture leaves out, and why: hidden, opacity 0, without effect, no file.
@@ -21,11 +27,23 @@ impl Engine {
     /// Layers of the graph that decide no sample of any visible tile, and why: off the screen, or
     /// covered. Nothing of them is read or made for the picture. Empty until a view is planned.
     ///
-    /// Costs as much as naming all visible tiles anew: not for every frame.
+    /// Found out once for a revision and a plan; costs as much as naming all visible tiles anew.
     pub fn unseen(&self) -> Vec<(LayerId, &'static str)> {
         let Some(plan) = &self.plan else {
             return Vec::new();
         };
+        let mut known = self.unseen.lock();
+        if let Some((of, at, layers)) = &*known
+            && (Arc::ptr_eq(of, &self.shown) && Arc::ptr_eq(at, plan))
+        {
+            return layers.clone();
+        }
+        let layers = self.find_unseen(plan);
+        *known = Some((Arc::clone(&self.shown), Arc::clone(plan), layers.clone()));
+        layers
+    }
+
+    fn find_unseen(&self, plan: &Plan) -> Vec<(LayerId, &'static str)> {
         let (scene, graph) = (&self.shown, &self.shown.graph);
         let grids: Vec<_> = plan
             .selected_tiles()

@@ -58,7 +58,14 @@ pub(crate) fn decode(
     };
     let raw = file.bytes.vec_at(offset, stored)?;
     let samples = match layout.compression {
+        #[cfg(feature = "lerc")]
         compression::LERC => lerc::decode(&raw, layout, rows, file.big_endian)?,
+        #[cfg(not(feature = "lerc"))]
+        compression::LERC => {
+            return crate::fault::unsupported(
+                "found LERC, which this program was built without (feature \"lerc\")",
+            );
+        }
         compression::WEBP => DecodingResult::U8(webp::decode(&raw, layout, rows)?),
         compression::JPEG => {
             jpeg::check_size(&raw, layout.chunk_width, rows)?;

@@ -56,8 +56,10 @@ pub(super) struct Stats {
     normal_levels: Vec<Level>,
     /// What of colour, light and air the terrain's pipeline has.
     pipeline: Pipeline,
-    /// Layers without effect on the picture, and why.
+    /// Layers without effect on the picture, and why: not compiled, off the screen or covered.
     left_out: Vec<LeftOut>,
+    /// Parts of the drawing that nothing needed, and why.
+    drawing_left_out: Vec<PartLeftOut>,
     messages: Vec<String>,
     peak_rss_bytes: Option<u64>,
 }
@@ -78,6 +80,12 @@ struct Pipeline {
     normals: bool,
     haze: bool,
     max_taps: u32,
+}
+
+#[derive(Serialize)]
+struct PartLeftOut {
+    part: &'static str,
+    reason: &'static str,
 }
 
 #[derive(Serialize)]
@@ -131,6 +139,11 @@ impl Stats {
                 max_taps: drawn.pipeline.max_taps,
             },
             left_out: left_out(engine),
+            drawing_left_out: drawn
+                .left_out()
+                .into_iter()
+                .map(|(part, reason)| PartLeftOut { part, reason })
+                .collect(),
             messages: engine.messages().iter().map(|m| m.text.clone()).collect(),
             peak_rss_bytes: peak_rss_bytes(),
         }
@@ -159,7 +172,8 @@ impl Level {
 }
 
 fn left_out(engine: &Engine) -> Vec<LeftOut> {
-    let left_out = engine.left_out().iter();
+    let unseen = engine.unseen();
+    let left_out = engine.left_out().iter().chain(&unseen);
     left_out
         .map(|(id, reason)| LeftOut {
             layer: id.0.clone(),

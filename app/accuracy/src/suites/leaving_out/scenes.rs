@@ -1,0 +1,145 @@
+//! Layers and elements that change nothing of a picture.
+
+use std::sync::Arc;
+
+use relievo_engine::project::{
+    Adjust, Blend, ContoursLayer, Element, ElementId, ElementKind, Layer, LayerId, LayerKind,
+    Noise, NoiseLayer, NoiseMode, Polygon, Project, SlopeLayer, SurfaceKind, Tint,
+    TintInterpolation, TintLayer, TintStop, Vertex,
+};
+
+/// A way of changing nothing.
+#[derive(Clone, Copy)]
+pub(super) struct Kind {
+    pub(super) name: &'static str,
+    /// Whether it does not even get into the graph.
+    pub(super) is_compiled_away: bool,
+    /// Adds so many of them to a scene.
+    pub(super) add: fn(&mut Project, usize),
+}
+
+pub(super) const KINDS: [Kind; 4] = [
+    Kind {
+        name: "hidden",
+        is_compiled_away: true,
+        add: |project, count| {
+            project.layers.extend((0..count).map(|k| {
+                let kind = if k % 2 == 0 {
+                    tint()
+                } else {
+                    noise(50.0, NoiseMode::Replace)
+                };
+                let mut hidden = layer(&format!("hidden-{k}"), kind);
+                hidden.visible = false;
+                hidden
+            }));
+        },
+    },
+    Kind {
+        name: "without effect",
+        is_compiled_away: true,
+        add: |project, count| project.layers.extend((0..count).map(inert)),
+    },
+    Kind {
+        name: "covered",
+        is_compiled_away: false,
+        add: |project, count| {
+            let covered = (0..count).map(|k| {
+                let kind = match k % 3 {
+                    0 => LayerKind::Slope(SlopeLayer::default()),
+                    1 => LayerKind::Contours(ContoursLayer::default()),
+                    _ => tint(),
+                };
+                layer(&format!("covered-{k}"), kind)
+            });
+            // Above the hills, below the tint.
+            project.layers.splice(1..1, covered);
+        },
+    },
+    Kind {
+        name: "off the screen",
+        is_compiled_away: false,
+        add: |project, count| project.elements.extend((0..count).map(far_platform)),
+    },
+];
+
+/// Hills in the colours of their heights.
+pub(super) fn plain() -> Project {
+    Project {
+        layers: vec![
+            layer("hills", noise(200.0, NoiseMode::Add)),
+            layer("tint", tint()),
+        ],
+        ..Project::default()
+    }
+}
+
+pub(super) fn layer(id: &str, kind: LayerKind) -> Layer {
+    Layer::new(LayerId::from(id), id, kind)
+}
+
+pub(super) fn noise(amplitude_m: f64, mode: NoiseMode) -> LayerKind {
+    let noise = Noise {
+        amplitude_m,
+        mode,
+        octaves: 3,
+        wavelength_m: 3000.0,
+        ..Noise::default()
+    };
+    LayerKind::Noise(NoiseLayer { noise })
+}
+
+pub(super) fn tint() -> LayerKind {
+    let stops = vec![
+        TintStop::new(-300.0, [20, 60, 20]),
+        TintStop::new(300.0, [200, 200, 180]),
+    ];
+    let tint = Tint {
+        stops,
+        interpolation: TintInterpolation::Smooth,
+    };
+    LayerKind::Tint(TintLayer {
+        tint,
+        blend: Blend::Normal,
+        adjust: Adjust::default(),
+    })
+}
+
+fn inert(k: usize) -> Layer {
+    let id = format!("inert-{k}");
+    match k % 4 {
+        0 => {
+            let mut faint = layer(&id, tint());
+            faint.opacity = 0.0;
+            faint
+        }
+        1 => layer(&id, noise(0.0, NoiseMode::Add)),
+        2 => {
+            let mut slope = SlopeLayer::default();
+            slope.stops.iter_mut().for_each(|s| s.opacity = 0.0);
+            layer(&id, LayerKind::Slope(slope))
+        }
+        _ => {
+            let lines = ContoursLayer {
+                width_px: 0.0,
+                index_width_px: 0.0,
+                ..ContoursLayer::default()
+            };
+            layer(&id, LayerKind::Contours(lines))
+        }
+    }
+}
+
+/// A platform on the other side of the planet.
+fn far_platform(k: usize) -> Arc<Element> {
+    let (lon, lat) = (-150.0 + k as f64 * 0.01, -40.0);
+    let corners = [(0.0, 0.0), (0.001, 0.0), (0.001, 0.001), (0.0, 0.001)];
+    let outline = corners.map(|(x, y)| Vertex::new(lon + x, lat + y)).to_vec();
+    let polygon = Polygon::new(outline, SurfaceKind::Platform { height_m: 20.0 });
+    let id = format!("far-{k}");
+    Arc::new(Element::new(
+        ElementId::from(id.as_str()),
+        &id,
+        ElementKind::Polygon(polygon),
+    ))
+}
