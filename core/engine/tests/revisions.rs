@@ -5,11 +5,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use relievo_engine::planet::Camera;
 use relievo_engine::planet::clipmap::LevelPlan;
+use relievo_engine::planet::{Camera, Planet};
 use relievo_engine::project::{
-    Adjust, Blend, Edit, Layer, LayerId, LayerKind, Noise, NoiseLayer, NoiseMode, Project, Tint,
-    TintInterpolation, TintLayer, TintStop,
+    Adjust, Blend, Body, Edit, Layer, LayerId, LayerKind, Noise, NoiseLayer, NoiseMode, Project,
+    Tint, TintInterpolation, TintLayer, TintStop,
 };
 use relievo_engine::tiles::LogEntry;
 use relievo_engine::{Engine, EngineOptions, Frame, View};
@@ -308,4 +308,51 @@ fn a_drag_finishes_the_revision_in_the_making_and_then_shows_the_latest() {
         tint.adjust.contrast
     };
     assert_eq!(contrast(&engine), 1.0, "the whole drag is one step");
+}
+
+#[test]
+fn an_exaggeration_that_the_planet_cannot_bear_is_refused_or_drawn_with_its_limit() {
+    let on_a_small_planet = |vertical_exaggeration| {
+        let mut project = project();
+        project.planet.body = Body::Custom(Planet::sphere(20_000.0));
+        project.planet.vertical_exaggeration = vertical_exaggeration;
+        if let LayerKind::Noise(hills) = &mut project.layers[0].kind {
+            hills.noise.offset_m = -2000.0;
+        }
+        let options = EngineOptions {
+            threads: Some(2),
+            cache_folder: None,
+            ..EngineOptions::default()
+        };
+        let mut engine = Engine::new(project, std::path::Path::new("."), options).unwrap();
+        engine.set_view(view(10.0));
+        converge(&mut engine);
+        engine
+    };
+    let says_so = |engine: &Engine| {
+        let mut texts = engine.messages().iter().map(|m| m.text.as_str());
+        texts.any(|t| t.contains("a tenth of the radius"))
+    };
+    let mut engine = on_a_small_planet(1.0);
+    assert_eq!(engine.exaggeration(), 1.0);
+    assert!(!says_so(&engine));
+    let of = |vertical_exaggeration| Edit::SetExaggeration {
+        vertical_exaggeration,
+    };
+    let refused = engine.apply(of(100.0)).unwrap_err().to_string();
+    assert!(
+        refused.contains("at most") && refused.contains("found 100"),
+        "{refused}"
+    );
+    assert_eq!(engine.project().planet.vertical_exaggeration, 1.0);
+    engine.apply(of(0.0)).unwrap();
+    assert_eq!(engine.exaggeration(), 0.0);
+
+    let mut opened = on_a_small_planet(100.0);
+    let drawn = opened.exaggeration();
+    assert!(drawn > 1.0 && drawn < 100.0 && says_so(&opened), "{drawn}");
+    assert_eq!(converge(&mut opened).pop().unwrap().exaggeration, drawn);
+    opened.apply(of(0.9 * drawn)).unwrap();
+    converge(&mut opened);
+    assert!(!says_so(&opened));
 }

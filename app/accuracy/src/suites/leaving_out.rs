@@ -2,7 +2,6 @@
 
 mod scenes;
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use relievo_engine::graph::ContentId;
@@ -59,12 +58,16 @@ fn make(context: &Context, project: Project) -> Result<Made, SuiteError> {
     let system = |error: std::io::Error| SuiteError::System(error.to_string());
     let camera = Camera::from_degrees(10.0, 45.0, 4000.0, 0.0, -60.0, 60.0)
         .map_err(|error| SuiteError::Input(error.to_string()))?;
+    let folder = tempfile::tempdir().map_err(system)?;
+    std::fs::write(folder.path().join(scenes::FAR), scenes::FAR_FEATURE).map_err(system)?;
     let start = Instant::now();
-    let mut engine = Engine::new(project, Path::new("."), options).map_err(system)?;
+    let mut engine = Engine::new(project, folder.path(), options).map_err(system)?;
+    engine.wait_for_sources();
     engine.set_view(View {
         camera,
         viewport_px: VIEWPORT_PX,
-        colour_window: 256,
+        // Two rows of tiles at the coarsest level: the other side of the planet has one of its own.
+        colour_window: 512,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,
         max_taps: 4,
@@ -188,7 +191,7 @@ fn same_work(context: &Context) -> Result<Figure, SuiteError> {
     Ok(Figure::new(
         "same-work",
         "What layers that nobody sees make and keep",
-        "Hills in the colours of their heights, with so many more layers (off the screen: platforms on the \
+        "Hills in the colours of their heights, with so many more layers (off the screen: an area on the \
          other side of the planet), against the scene without them. Names are content ids: equal names mean \
          equal samples.",
         Content::Table(Table {

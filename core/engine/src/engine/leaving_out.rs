@@ -8,6 +8,7 @@ use relievo_graph::{ContentId, NodeIndex};
 use relievo_planet::TileKey;
 use relievo_planet::clipmap::Plan;
 use relievo_project::LayerId;
+use relievo_raster::Bands;
 
 use super::Engine;
 use super::asking::named;
@@ -68,9 +69,11 @@ impl Engine {
             .map(|(layer, nodes)| {
                 // The first node of a layer reads or makes what it shows.
                 let bands = graph.node(nodes[0]).output();
-                let is_here = grids
-                    .iter()
-                    .any(|(_, grid)| !graph.known(nodes[0], grid).is_absent(bands));
+                // Colours are no part of the tiles of heights and normals.
+                let is_here = grids.iter().any(|(root, grid)| {
+                    (bands == Bands::Height || scene.roots.colour == Some(*root))
+                        && !graph.known(nodes[0], grid).is_absent(bands)
+                });
                 let reason = if is_here { "covered" } else { "off the screen" };
                 (layer.clone(), reason)
             })

@@ -29,14 +29,12 @@ pub(crate) fn platform(id: &str, at_m: (f64, f64), half_m: f64, height_m: f64) -
     Arc::new(element)
 }
 
-/// Drains until the picture is whole and nothing is being made; gives the number of uploads.
-pub(crate) fn converge(engine: &mut Engine) -> usize {
-    let mut uploads = 0;
+/// Drains until the picture is whole and nothing is being made.
+pub(crate) fn converge(engine: &mut Engine) {
     for _ in 0..4000 {
-        let frame = engine.drain(f32::INFINITY).unwrap();
-        uploads += frame.uploads.len();
-        if engine.wait(Duration::from_millis(50)) && frame.is_converged() {
-            return uploads;
+        let whole = engine.drain(f32::INFINITY).unwrap().is_converged();
+        if engine.wait(Duration::from_millis(50)) && whole {
+            return;
         }
     }
     panic!("does not converge: {:?}", engine.stats());

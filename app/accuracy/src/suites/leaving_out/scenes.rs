@@ -1,11 +1,8 @@
-//! Layers and elements that change nothing of a picture.
-
-use std::sync::Arc;
+//! Layers that change nothing of a picture.
 
 use relievo_engine::project::{
-    Adjust, Blend, ContoursLayer, Element, ElementId, ElementKind, Layer, LayerId, LayerKind,
-    Noise, NoiseLayer, NoiseMode, Polygon, Project, SlopeLayer, SurfaceKind, Tint,
-    TintInterpolation, TintLayer, TintStop, Vertex,
+    Adjust, Blend, ContoursLayer, Layer, LayerId, LayerKind, Noise, NoiseLayer, NoiseMode, Project,
+    SlopeLayer, Tint, TintInterpolation, TintLayer, TintStop, VectorLayer, VectorStyle,
 };
 
 /// A way of changing nothing.
@@ -59,7 +56,7 @@ pub(super) const KINDS: [Kind; 4] = [
     Kind {
         name: "off the screen",
         is_compiled_away: false,
-        add: |project, count| project.elements.extend((0..count).map(far_platform)),
+        add: |project, count| project.layers.extend((0..count).map(far_away)),
     },
 ];
 
@@ -130,16 +127,18 @@ fn inert(k: usize) -> Layer {
     }
 }
 
-/// A platform on the other side of the planet.
-fn far_platform(k: usize) -> Arc<Element> {
-    let (lon, lat) = (-150.0 + k as f64 * 0.01, -40.0);
-    let corners = [(0.0, 0.0), (0.001, 0.0), (0.001, 0.001), (0.0, 0.001)];
-    let outline = corners.map(|(x, y)| Vertex::new(lon + x, lat + y)).to_vec();
-    let polygon = Polygon::new(outline, SurfaceKind::Platform { height_m: 20.0 });
-    let id = format!("far-{k}");
-    Arc::new(Element::new(
-        ElementId::from(id.as_str()),
-        &id,
-        ElementKind::Polygon(polygon),
-    ))
+/// File of the layers on the other side of the planet.
+pub(super) const FAR: &str = "far.geojson";
+
+/// What is in it.
+pub(super) const FAR_FEATURE: &str = r#"{"type":"Feature","properties":{},"geometry":{"type":"Polygon",
+    "coordinates":[[[-150,-40],[-149,-40],[-149,-39],[-150,-40]]]}}"#;
+
+fn far_away(k: usize) -> Layer {
+    let mut vector = VectorLayer::new(FAR);
+    vector.style = VectorStyle {
+        fill: Some([0, 128, 255]),
+        ..VectorStyle::default()
+    };
+    layer(&format!("far-{k}"), LayerKind::Vector(Box::new(vector)))
 }

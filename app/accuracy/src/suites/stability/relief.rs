@@ -91,11 +91,12 @@ fn cliffs_on_screen(extent: Extent) -> Found {
     });
     // A cliff runs through the view a metre beside the eye.
     let cliff = |distance: f64, azimuth: f64| {
-        if distance * libm::sin(azimuth) > 1.0 {
+        let edge = if distance * libm::sin(azimuth) > 1.0 {
             -1e5
         } else {
             0.0
-        }
+        };
+        edge + 0.2 * distance.min(1.0) * libm::sin(3.0 * azimuth)
     };
     lifted(&shots, cliff, extent)
 }
