@@ -33,6 +33,7 @@ use std::sync::Arc;
 pub(crate) use bytes::Bytes;
 pub(crate) use chunk::Chunk;
 pub(crate) use georeference::check_affine;
+#[cfg(feature = "openexr")]
 pub(crate) use stretch::{Numbers, range as shown_range};
 
 use crate::chunk_cache::ChunkCache;

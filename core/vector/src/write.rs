@@ -63,6 +63,7 @@ impl Geometry {
         }
     }
 
+    #[cfg(feature = "geopackage")]
     fn has_heights(&self) -> bool {
         self.positions().any(|p| p.height_m.is_some())
     }

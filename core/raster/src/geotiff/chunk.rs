@@ -5,7 +5,9 @@ use tiff::decoder::DecodingResult;
 use super::fault::{Fault, damaged};
 use super::ifd::TiffBytes;
 use super::layout::{Layout, compression, photometric};
-use super::{jpeg, lerc, packed, strip, webp};
+#[cfg(feature = "lerc")]
+use super::lerc;
+use super::{jpeg, packed, strip, webp};
 
 /// Decoded samples of a chunk, pixel by pixel, in their stored type; packed bits are unpacked to
 /// the next wider type, and YCbCr is RGB already.
