@@ -13,7 +13,9 @@
 pub mod context;
 pub mod curve;
 pub mod machine;
+pub mod metric;
 pub mod number;
+mod scene;
 pub mod suite;
 pub mod suites;
 pub mod timing;

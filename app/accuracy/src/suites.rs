@@ -1,5 +1,8 @@
 //! The suites, one file each.
 
+pub mod colour;
+pub mod convergence;
+pub mod geometry;
 pub mod leaving_out;
 pub mod noise;
 pub mod resample;
@@ -11,6 +14,9 @@ use crate::Suite;
 /// All of them, in the order of a full report.
 pub const ALL: &[Suite] = &[
     transform::SUITE,
+    geometry::SUITE,
+    colour::SUITE,
+    convergence::SUITE,
     resample::SUITE,
     noise::SUITE,
     stability::SUITE,

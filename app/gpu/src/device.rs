@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::quality::AdapterClass;
+use crate::readback::{self, ReadError};
 
 /// Smallest limits that the clipmap front-end works with.
 const MIN_TEXTURE_SIDE: u32 = 4096;
@@ -94,6 +95,14 @@ impl Gpu {
             GpuError::NoAdapter(_) => Self::open(allowed & wgpu::Backends::GL),
             other @ (GpuError::TooSmall { .. } | GpuError::Device { .. }) => Err(other),
         })
+    }
+
+    /// Waits until the device has done all that was submitted.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn wait(&self) -> Result<(), ReadError> {
+        readback::wait(&self.device)
     }
 
     fn open(backends: wgpu::Backends) -> Result<Self, GpuError> {

@@ -5,7 +5,8 @@
 //!                                              Renderer::blit -> window   Renderer::read_back -> file
 //! ```
 //!
-//! Invariant: nothing here sees a project; all it knows of the world is a `Frame`.
+//! Invariant: nothing here sees a project; all it knows of the world is a `Frame` ([`Still`] drains an
+//! engine for them, and asks it nothing else).
 //! A device that is lost is replaced: [`Gpu`] anew, [`Renderer::rebuilt`], all uploads again. One
 //! without room for what is asked of it says so ([`RenderError::OutOfMemory`]) and goes on.
 
@@ -25,6 +26,7 @@ pub mod readback;
 pub mod renderer;
 pub mod sky;
 pub mod stats;
+pub mod still;
 pub mod targets;
 pub mod terrain;
 pub mod timing;
@@ -37,5 +39,6 @@ pub use quality::{AdapterClass, Look, Quality};
 pub use readback::{Picture, ReadError};
 pub use renderer::{PickedPoint, RenderError, Renderer};
 pub use stats::FrameStats;
+pub use still::{Still, StillError};
 pub use terrain::TerrainKey;
 pub use timing::FrameTime;

@@ -44,7 +44,7 @@ pub use marks::Mark;
 pub use masses::{MassMesh, MassVertex};
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};
-pub use reference::{Confirmation, Reference, ReferencePicture, ReferenceSettings};
+pub use reference::{Confirmation, Offset, Reference, ReferencePicture, ReferenceSettings};
 pub use sampling::Stage;
 pub use scenarios::as_shown;
 pub use sources::{SourceState, Sources};

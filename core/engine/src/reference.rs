@@ -24,6 +24,7 @@ mod tests;
 
 use std::sync::Arc;
 
+use glam::{DVec2, DVec3};
 use relievo_graph::RenderError;
 use relievo_planet::clipmap::view::View;
 use relievo_planet::{Camera, Grid, LevelKey, Planet, SampleRect};
@@ -107,6 +108,26 @@ pub struct Confirmation {
     pub max: f64,
 }
 
+/// How far a place of the ground as a front-end shows it is from the truth's ground at the same place of
+/// the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offset {
+    /// How much higher it is shown, metres with exaggeration.
+    pub height_m: f64,
+    /// How far apart the two are on the screen, pixels: the screen-space error of \[Liv07\] 6.1.
+    pub screen_px: f64,
+}
+
+impl Default for Offset {
+    /// Of the sky: not a number.
+    fn default() -> Self {
+        Self {
+            height_m: f64::NAN,
+            screen_px: f64::NAN,
+        }
+    }
+}
+
 /// One picture to be drawn: a revision, a camera, light and air. On any thread.
 #[derive(Clone)]
 pub struct Reference {
@@ -174,6 +195,21 @@ impl Reference {
         task: &Task,
     ) -> Result<Vec<f64>, RenderError> {
         distances(&*self.scene, &self.stage, settings, task)
+    }
+
+    /// How far the ground that a front-end shows is from the truth's. `shown_m`: for each pixel, row by
+    /// row from the top, the distance along the direction of view in metres, as
+    /// [`Self::distances`] has it; NaN comes back for the sky.
+    ///
+    /// # Errors
+    /// As [`Self::picture`].
+    pub fn offsets(
+        &self,
+        settings: &ReferenceSettings,
+        shown_m: &[f32],
+        task: &Task,
+    ) -> Result<Vec<Offset>, RenderError> {
+        offsets(&*self.scene, &self.stage, settings, shown_m, task)
     }
 
     /// Draws every `stride`th pixel of a picture again with half the spacing and twice the rays, and
@@ -292,10 +328,55 @@ fn distances<F: Field>(
                 patches,
                 task,
                 &|[x, y], reader| {
-                    let ray = draw::ray(&view, &raster, glam::DVec2::new(x, y) + 0.5);
+                    let ray = draw::ray(&view, &raster, DVec2::new(x, y) + 0.5);
                     let depth = ray.direction.dot(view.forward);
                     let hit = ground.hit(&ray, reader)?;
                     Ok(hit.map_or(f64::INFINITY, |hit| hit.distance_m * depth))
+                },
+            )
+        },
+    )
+}
+
+fn offsets<F: Field>(
+    field: &F,
+    stage: &Stage,
+    settings: &ReferenceSettings,
+    shown_m: &[f32],
+    task: &Task,
+) -> Result<Vec<Offset>, RenderError> {
+    let raster = raster(settings);
+    let view = View::new(&stage.camera, &stage.planet, raster.size_px);
+    let columns = raster.size_px[0] as usize;
+    on_ground(
+        field,
+        stage,
+        &view,
+        settings,
+        task,
+        &|ground, patches, task| {
+            draw::each_pixel(
+                &raster,
+                settings.threads,
+                patches,
+                task,
+                &|[x, y], reader| {
+                    let shown_m = shown_m.get(y as usize * columns + x as usize);
+                    let Some(depth_m) = shown_m.filter(|d| d.is_finite()).map(|d| f64::from(*d))
+                    else {
+                        return Ok(Offset::default());
+                    };
+                    let ray = draw::ray(&view, &raster, DVec2::new(x, y) + 0.5);
+                    let distance_m = depth_m / ray.direction.dot(view.forward);
+                    let height_m = ground.clearance(&ray, distance_m, reader)?;
+                    let from_eye = ray.direction * distance_m;
+                    let up = (view.eye + from_eye).normalize_or(DVec3::Z);
+                    let place = |from_eye: DVec3| draw::place_px(&view, &raster, from_eye);
+                    let apart = place(from_eye) - place(from_eye - up * height_m);
+                    Ok(Offset {
+                        height_m,
+                        screen_px: apart.length(),
+                    })
                 },
             )
         },
@@ -355,7 +436,7 @@ fn survey<F: Field>(
     for n in 2..=levels.cap() {
         let spot = levels.spot(n, stage.camera.map_point().normalised());
         let grid = spot.key.grid();
-        let middle = grid.rect.min + glam::DVec2::new(spot.u, spot.v).as_i64vec2();
+        let middle = grid.rect.min + DVec2::new(spot.u, spot.v).as_i64vec2();
         let rect = SampleRect::at(middle.x - SIDE / 2, middle.y - SIDE / 2, SIDE, SIDE);
         include(&grid.with_rect(rect))?;
     }

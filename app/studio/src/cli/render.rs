@@ -1,5 +1,6 @@
 //! `relievo render`: a picture of a project, converged unless a time limit says otherwise.
 
+mod reference;
 mod stats;
 
 use std::path::PathBuf;
@@ -7,8 +8,10 @@ use std::time::{Duration, Instant};
 
 use relievo_engine::planet::Camera;
 use relievo_engine::planet::camera::CameraError;
-use relievo_engine::{ClipKind, Engine, Frame, Severity, View};
-use relievo_gpu::{FrameStats, Gpu, GpuError, Picture, Quality, ReadError, RenderError, Renderer};
+use relievo_engine::{Engine, Severity, View};
+use relievo_gpu::{
+    Gpu, GpuError, Picture, Quality, ReadError, RenderError, Renderer, Still, StillError,
+};
 
 use super::progress::Progress;
 use super::scenario::Scenario;
@@ -47,7 +50,8 @@ pub(crate) struct Arguments {
     /// How the picture is drawn.
     #[arg(long, value_enum, value_name = "NAME", default_value = "clipmap")]
     front_end: FrontEnd,
-    /// Write what there is after so many milliseconds. Default: wait until nothing is missing.
+    /// Write what there is after so many milliseconds. Default: wait until nothing is missing. Not for
+    /// the reference, which has no half-made picture.
     #[arg(long, value_name = "MS")]
     time_limit: Option<u64>,
     /// Write figures of the picture to a JSON file: times in milliseconds, tiles, triangles, bytes.
@@ -59,16 +63,15 @@ pub(crate) struct Arguments {
 enum FrontEnd {
     /// Spherical clipmaps on the graphics adapter.
     Clipmap,
+    /// Rays against the evaluated ground, on the processor: slow, and what the other should show. Without
+    /// texts and extruded bodies.
+    Reference,
 }
 
 /// Samples along the smallest colour window that is worth drawing with.
 const LEAST_WINDOW: u32 = 256;
 
-/// How many frames may pass without a settled plan once nothing is missing.
-const MOST_SETTLING_FRAMES: u32 = 200;
-
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
-    let FrontEnd::Clipmap = arguments.front_end;
     check_name(&arguments.output)?;
     let started = Instant::now();
     let mut engine = project::open_complete(&arguments.project, &arguments.scenario, context)?;
@@ -80,6 +83,9 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     }
     let camera = camera(arguments, &engine)?;
     let opened = Instant::now();
+    if matches!(arguments.front_end, FrontEnd::Reference) {
+        return reference::run(arguments, &engine, camera, context);
+    }
     let gpu = Gpu::headless().map_err(|error| Failure::System(with_cause(&error)))?;
     let most = gpu.device.limits().max_texture_dimension_2d;
     if let Some(side) = arguments.size.into_iter().find(|s| *s > most) {
@@ -98,7 +104,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let (still, picture) = loop {
         let settings = &engine.project().quality;
         let view = picture::view(camera, arguments.size, settings, &device.quality);
-        match Still::draw(&mut engine, view, &device, limit, context) {
+        match draw(&mut engine, view, &device, limit, context) {
             Ok((still, mut picture)) => {
                 picture::labels::draw(&mut picture, &engine.labels(&view));
                 break (still, picture);
@@ -199,99 +205,33 @@ impl Device {
     }
 }
 
-/// A picture that is drawn.
-struct Still {
-    renderer: Renderer,
-    /// The last frame.
-    frame: Frame,
-    /// What the last drawn frame cost.
-    drawn: FrameStats,
-    /// Whether nothing is missing.
-    converged: bool,
-}
-
-impl Still {
-    /// Draws a picture and reads it back.
-    fn draw(
-        engine: &mut Engine,
-        view: View,
-        device: &Device,
-        limit: Option<Duration>,
-        context: &Context,
-    ) -> Result<(Self, Picture), DrawFailure> {
-        let format = wgpu::TextureFormat::Rgba8Unorm;
-        let renderer = Renderer::new(&device.gpu, format, device.quality)
-            .map_err(|e| DrawFailure::Other(Failure::input(e)))?;
-        let still = Self::converge(engine, view, &device.gpu, renderer, limit, context)?;
-        match still.renderer.read_back() {
-            Ok(picture) => Ok((still, picture)),
-            Err(ReadError::DeviceLost) => Err(DrawFailure::Device(RenderError::DeviceLost)),
-        }
-    }
-
-    /// Draws until nothing is missing or the time is over.
-    fn converge(
-        engine: &mut Engine,
-        view: View,
-        gpu: &Gpu,
-        mut renderer: Renderer,
-        limit: Option<Duration>,
-        context: &Context,
-    ) -> Result<Self, DrawFailure> {
-        let started = Instant::now();
-        let progress = Progress::new("making tiles");
-        engine.set_view(view);
-        // Nobody sees a still before it is done: what comes is kept for the one frame that is drawn.
-        let (mut held, mut most_pending) = (Vec::new(), 1);
-        let mut settling = 0;
-        loop {
-            if context.cancel.is_cancelled() {
-                return Err(DrawFailure::Other(Failure::Cancelled));
+/// Draws a picture and reads it back.
+fn draw(
+    engine: &mut Engine,
+    view: View,
+    device: &Device,
+    limit: Option<Duration>,
+    context: &Context,
+) -> Result<(Still, Picture), DrawFailure> {
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let renderer = Renderer::new(&device.gpu, format, device.quality)
+        .map_err(|e| DrawFailure::Other(Failure::input(e)))?;
+    let progress = Progress::new("making tiles");
+    let mut watch = |share| {
+        progress.set(share);
+        !context.cancel.is_cancelled()
+    };
+    let still =
+        Still::draw(engine, view, &device.gpu, renderer, limit, &mut watch).map_err(|error| {
+            match error {
+                StillError::Cancelled => DrawFailure::Other(Failure::Cancelled),
+                StillError::NoFrame => DrawFailure::Other(Failure::system(error)),
+                StillError::Render(error) => DrawFailure::Device(error),
             }
-            let Some(mut frame) = engine.drain(f32::INFINITY) else {
-                let text = "the view was not taken".to_owned();
-                return Err(DrawFailure::Other(Failure::System(text)));
-            };
-            let complete = frame.is_converged() && frame.uploads.is_empty();
-            settling += u32::from(complete);
-            let converged = complete && (frame.plan.settled || settling > MOST_SETTLING_FRAMES);
-            let over = limit.is_some_and(|l| started.elapsed() >= l);
-            most_pending = most_pending.max(frame.pending);
-            progress.set(1.0 - frame.pending as f64 / most_pending as f64);
-            held.append(&mut frame.uploads);
-            if converged || over {
-                // Levels that an earlier plan had are gone.
-                held.retain(|upload| (upload.layer as usize) < levels(&frame, upload.clipmap));
-                frame.uploads = held;
-                let mut encoder = gpu
-                    .device
-                    .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                let drawn = renderer
-                    .render(&frame, &mut encoder)
-                    .map_err(DrawFailure::Device)?;
-                gpu.queue.submit([encoder.finish()]);
-                frame.uploads.clear();
-                return Ok(Self {
-                    renderer,
-                    frame,
-                    drawn,
-                    converged,
-                });
-            }
-            if !complete {
-                let left = limit.map_or(Duration::MAX, |l| l.saturating_sub(started.elapsed()));
-                engine.wait(left.min(Duration::from_millis(100)));
-            }
-        }
-    }
-}
-
-/// Number of levels of a clipmap.
-fn levels(frame: &Frame, clipmap: ClipKind) -> usize {
-    match clipmap {
-        ClipKind::Height => frame.heights.len(),
-        ClipKind::Colour => frame.colours.len(),
-        ClipKind::Normal => frame.normals.len(),
+        })?;
+    match still.renderer.read_back() {
+        Ok(picture) => Ok((still, picture)),
+        Err(ReadError::DeviceLost) => Err(DrawFailure::Device(RenderError::DeviceLost)),
     }
 }
 

@@ -148,6 +148,15 @@ pub(super) fn ray(view: &View, raster: &Raster, place_px: DVec2) -> Ray {
     }
 }
 
+/// Where the picture shows a place, in pixels from its top left corner; `from_eye` in metres along the
+/// world's axes. Infinite or mirrored for what is not before the eye.
+pub(super) fn place_px(view: &View, raster: &Raster, from_eye: DVec3) -> DVec2 {
+    let depth_m = from_eye.dot(view.forward);
+    let at = DVec2::new(from_eye.dot(view.right), -from_eye.dot(view.up)) / depth_m;
+    let size = DVec2::from(raster.size_px.map(|s| f64::from(s.max(1))));
+    0.5 * (at / view.tan_half + 1.0) * size
+}
+
 /// Display values of a pixel: the mean linear light of its rays, which is what a sensor counts.
 pub(super) fn colour<F: Field>(
     view: &View,

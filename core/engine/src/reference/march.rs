@@ -109,7 +109,7 @@ impl Ground {
     }
 
     /// Signed height of a place of the ray above the ground.
-    fn clearance<F: Field>(
+    pub(super) fn clearance<F: Field>(
         &self,
         ray: &Ray,
         distance_m: f64,

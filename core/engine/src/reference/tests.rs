@@ -274,3 +274,42 @@ fn an_exaggerated_scene_is_the_scene_of_exaggerated_heights() {
         assert!((a - b).abs() <= 1e-6 * a || a == b, "{a} {b}");
     }
 }
+
+#[test]
+fn ground_that_is_shown_too_high_is_as_far_off_as_it_is_too_high() {
+    let cancel = Cancel::default();
+    let task = Task::quiet(&cancel);
+    let stage = stage(camera((7.3, 46.1), 3e3, 30.0, -35.0));
+    let settings = settings([16, 12]);
+    let shown = |height_m: f64| -> Vec<f32> {
+        let made = distances(&Formula::level(height_m), &stage, &settings, &task);
+        made.expect("formulas")
+            .into_iter()
+            .map(|d| d as f32)
+            .collect()
+    };
+    let off = |height_m: f64| {
+        let made = offsets(
+            &Formula::level(100.0),
+            &stage,
+            &settings,
+            &shown(height_m),
+            &task,
+        );
+        made.expect("formulas")
+    };
+    for same in off(100.0) {
+        assert!(same.height_m.is_nan() || same.screen_px < 1e-2, "{same:?}");
+    }
+    let higher = off(130.0);
+    assert!(higher.iter().any(|o| o.height_m.is_finite()));
+    for offset in higher.iter().filter(|o| o.height_m.is_finite()) {
+        assert!((offset.height_m - 30.0).abs() < 0.1, "{offset:?}");
+        // 30 m from at least 2870 m away, in a picture of 12 pixels for 50 degrees.
+        let most = 30.0 / 2870.0 * 6.0 / 25.0_f64.to_radians().tan();
+        assert!(
+            offset.screen_px > 0.0 && offset.screen_px < 1.3 * most,
+            "{offset:?}"
+        );
+    }
+}

@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use relievo_engine::{Engine, LevelView};
-use relievo_gpu::{Gpu, Quality};
+use relievo_gpu::{Gpu, Quality, Still};
 use serde::Serialize;
 
-use super::Still;
 use crate::cli::Failure;
 
 /// Wall clock times, milliseconds.
@@ -151,10 +150,7 @@ impl Stats {
 
     /// Writes them; a name that cannot be written is the system's failure.
     pub(super) fn write(&self, path: &Path) -> Result<(), Failure> {
-        let mut text = serde_json::to_string_pretty(self).map_err(Failure::system)?;
-        text.push('\n');
-        std::fs::write(path, text)
-            .map_err(|e| Failure::System(format!("cannot write the figures: {e}: {path:?}")))
+        write_json(path, self)
     }
 }
 
@@ -169,6 +165,14 @@ impl Level {
             samples_per_px: pixel_m / sample_m,
         }
     }
+}
+
+/// Writes figures of any kind as JSON.
+pub(super) fn write_json(path: &Path, figures: &impl Serialize) -> Result<(), Failure> {
+    let mut text = serde_json::to_string_pretty(figures).map_err(Failure::system)?;
+    text.push('\n');
+    std::fs::write(path, text)
+        .map_err(|e| Failure::System(format!("cannot write the figures: {e}: {path:?}")))
 }
 
 fn left_out(engine: &Engine) -> Vec<LeftOut> {

@@ -8,7 +8,7 @@ use super::*;
 
 /// Distance at which a ray meets a triangle; `None` beside it and behind the eye.
 ///
-/// Source: Möller and Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
+/// Source: \[MT97\].
 fn on_triangle(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let (ab, ac, from_a) = (b - a, c - a, eye - a);
     let p = direction.cross(ac);

@@ -1,0 +1,337 @@
+//! Where the clipmaps' ground is on the screen against where it should be.
+//!
+//! The errors of \[Liv07\] 6.1: the screen-space error (a height's difference, projected) and the
+//! distortion (a Hausdorff distance, here from the picture's pixels to the mesh's vertices); and how far
+//! heights swim when the focus moves by a texel.
+
+mod distortion;
+mod paths;
+mod swimming;
+
+use relievo_engine::analysis::Task;
+use relievo_engine::{Engine, Offset};
+use relievo_gpu::{Gpu, Quality, Still};
+
+use super::colour::{frame_times, without};
+use crate::scene::{failed, open, settings, standard, still, view};
+use crate::{
+    Cell, Chart, Content, Context, Curve, Figure, Point, Report, Spread, Suite, SuiteError, Table,
+};
+use paths::{Path, angles_deg};
+
+/// The suite.
+pub const SUITE: Suite = Suite {
+    name: "geometry",
+    sentence: "The ground on the screen against the reference: screen-space error, distortion and swimming, by mesh and size of a height sample.",
+    run,
+};
+
+/// One way to draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Setting {
+    /// Vertices around a ring and rows of quads in it.
+    steps: [u32; 2],
+    /// Smallest size of a height sample on the screen, pixels.
+    texel_px: f64,
+}
+
+impl Setting {
+    /// What the window shows by default on a graphics processor.
+    const STANDARD: Self = Self {
+        steps: [512, 40],
+        texel_px: 2.0,
+    };
+
+    fn name(self) -> String {
+        format!("{} × {}", self.steps[0], self.steps[1])
+    }
+
+    fn quality(self, gpu: &Gpu) -> Quality {
+        Quality {
+            azimuth_steps: self.steps[0],
+            radial_steps: self.steps[1],
+            // Colours are not measured.
+            colour_window: 256,
+            ..standard(gpu)
+        }
+    }
+}
+
+/// Errors over the pixels of one or several pictures, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errors {
+    mean: f64,
+    p99: f64,
+    max: f64,
+}
+
+impl Errors {
+    /// Of values among which there may be no numbers (sky).
+    pub(crate) fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        let last = values.len().saturating_sub(1) as f64;
+        let at = |share: f64| values.get((share * last).round() as usize).copied();
+        Self {
+            mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
+            p99: at(0.99).unwrap_or(0.0),
+            max: at(1.0).unwrap_or(0.0),
+        }
+    }
+}
+
+/// A suite's tools.
+pub(crate) struct Bench<'a> {
+    pub(crate) context: &'a Context<'a>,
+    pub(crate) gpu: &'a Gpu,
+    pub(crate) size_px: [u32; 2],
+}
+
+impl Bench<'_> {
+    /// A converged picture.
+    pub(crate) fn draw(
+        &self,
+        engine: &mut Engine,
+        camera: relievo_engine::planet::Camera,
+        setting: Setting,
+    ) -> Result<Still, SuiteError> {
+        let quality = setting.quality(self.gpu);
+        let mut view = view(engine, camera, self.size_px, &quality);
+        view.height_texel_px = setting.texel_px;
+        still(engine, self.gpu, view, quality, &self.context.cancel)
+    }
+
+    /// How far a picture's ground is from the truth, pixel by pixel.
+    pub(crate) fn offsets(
+        &self,
+        engine: &Engine,
+        still: &Still,
+    ) -> Result<Vec<Offset>, SuiteError> {
+        let shown = still.renderer.read_distances();
+        let shown = shown.map_err(|error| SuiteError::System(error.to_string()))?;
+        let settings = settings(self.size_px, self.context);
+        let task = Task::quiet(&self.context.cancel);
+        engine
+            .reference(still.frame.camera)
+            .offsets(&settings, &shown, &task)
+            .map_err(|error| failed(&error))
+    }
+}
+
+/// One setting on one path, measured.
+struct Measured {
+    setting: Setting,
+    errors: Errors,
+    distortion_px: f64,
+    triangles: f64,
+    frame_ms: Spread,
+}
+
+fn settings_of(context: &Context) -> Vec<Setting> {
+    let meshes: &[[u32; 2]] = if context.quick {
+        &[[64, 8], [512, 40]]
+    } else {
+        &[
+            [64, 8],
+            [128, 16],
+            [192, 20],
+            [384, 32],
+            [512, 40],
+            [1024, 80],
+        ]
+    };
+    let texels: &[f64] = if context.quick {
+        &[2.0]
+    } else {
+        &[1.0, 2.0, 4.0]
+    };
+    let of = |texel_px: &f64| {
+        let texel_px = *texel_px;
+        meshes.iter().map(move |steps| Setting {
+            steps: *steps,
+            texel_px,
+        })
+    };
+    texels.iter().flat_map(of).collect()
+}
+
+fn run(context: &Context) -> Result<Report, SuiteError> {
+    let gpu = match context.gpu() {
+        Ok(gpu) => gpu,
+        Err(why) => return Ok(without("the clipmaps' ground", why)),
+    };
+    let bench = Bench {
+        context,
+        gpu,
+        size_px: context.pick([64, 48], [640, 480]),
+    };
+    let mut engine = open(context)?;
+    let paths = Path::find(&engine, context)?;
+    let settings = settings_of(context);
+    let mut report = Report::default();
+    let mut rows = Vec::new();
+    let steps = paths.len() * (settings.len() + 2);
+    for (index, path) in paths.iter().enumerate() {
+        let done = index * (settings.len() + 2);
+        let measured = by_setting(&bench, &mut engine, path, &settings, [done, steps])?;
+        report.figures.push(trade(path, &measured));
+        report.summary.push(best(path, &measured));
+        rows.extend(measured.iter().map(|m| row(path, m)));
+    }
+    context.step(steps - 1, steps)?;
+    report.figures.push(table(rows));
+    report.figures.push(by_angle(&bench, &mut engine, &paths)?);
+    report
+        .figures
+        .push(swimming::figure(&bench, &mut engine, &paths)?);
+    Ok(report)
+}
+
+/// All settings at a path's places.
+fn by_setting(
+    bench: &Bench,
+    engine: &mut Engine,
+    path: &Path,
+    settings: &[Setting],
+    [done, steps]: [usize; 2],
+) -> Result<Vec<Measured>, SuiteError> {
+    let cameras = path.cameras(-30.0);
+    let (mut errors, mut distortions, mut last) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, setting) in settings.iter().enumerate() {
+        bench.context.step(done + i, steps)?;
+        let (mut all, mut distortion_px) = (Vec::new(), 0.0_f64);
+        let mut drawn = None;
+        for camera in &cameras {
+            let still = bench.draw(engine, *camera, *setting)?;
+            all.extend(bench.offsets(engine, &still)?);
+            distortion_px = distortion_px.max(distortion::farthest_px(&still)?);
+            drawn = Some(still);
+        }
+        errors.push(Errors::of(all.iter().map(|o| o.screen_px)));
+        distortions.push(distortion_px);
+        last.extend(drawn);
+    }
+    let times = frame_times(bench.context, bench.gpu, &mut last)?;
+    let measured = settings
+        .iter()
+        .zip(errors)
+        .zip(distortions)
+        .zip(last.iter().zip(times));
+    Ok(measured
+        .map(
+            |(((setting, errors), distortion_px), (still, frame_ms))| Measured {
+                setting: *setting,
+                errors,
+                distortion_px,
+                triangles: still.drawn.triangles as f64,
+                frame_ms,
+            },
+        )
+        .collect())
+}
+
+fn trade(path: &Path, measured: &[Measured]) -> Figure {
+    let mut curves: Vec<Curve> = Vec::new();
+    for m in measured {
+        let name = format!("height sample {} px", m.setting.texel_px);
+        let point = Point::timed(m.setting.name(), m.frame_ms, m.errors.mean);
+        match curves.iter_mut().find(|curve| curve.name == name) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(Curve {
+                name,
+                points: vec![point],
+                joined: true,
+            }),
+        }
+    }
+    let chart = Chart::trade("ms per frame", "mean screen-space error", "px", curves);
+    Figure::new(
+        format!("trade-{}", path.name),
+        format!(
+            "Screen-space error against frame time: {} ground",
+            path.name
+        ),
+        "How far on the screen ground that a pixel shows is from the truth's ground at the same place of \
+         the map ([Liv07] 6.1), looking 30° down; for vertices around a ring × rows in it.",
+        Content::Chart(chart),
+    )
+}
+
+fn best(path: &Path, measured: &[Measured]) -> String {
+    let standard = measured.iter().find(|m| m.setting == Setting::STANDARD);
+    standard.map_or_else(String::new, |m| {
+        format!(
+            "{} ground, default mesh of a graphics processor: {:.2} pixels of screen-space error on \
+             average, one in a hundred pixels above {:.2}, at most {:.1}.",
+            path.name, m.errors.mean, m.errors.p99, m.errors.max
+        )
+    })
+}
+
+fn row(path: &Path, m: &Measured) -> Vec<Cell> {
+    vec![
+        path.name.into(),
+        m.setting.name().into(),
+        m.setting.texel_px.into(),
+        m.triangles.into(),
+        m.frame_ms.median.into(),
+        m.errors.mean.into(),
+        m.errors.p99.into(),
+        m.errors.max.into(),
+        m.distortion_px.into(),
+    ]
+}
+
+fn table(rows: Vec<Vec<Cell>>) -> Figure {
+    let head = [
+        "path",
+        "mesh, around × rows",
+        "height sample, px",
+        "triangles drawn",
+        "frame, ms",
+        "mean error, px",
+        "p99 error, px",
+        "max error, px",
+        "distortion, px",
+    ];
+    Figure::new(
+        "table",
+        "All settings",
+        "Screen-space error over all pixels that show ground. Distortion: how far the pixel that is farthest \
+         from any vertex of the mesh is from it.",
+        Content::Table(Table {
+            head: head.map(str::to_owned).to_vec(),
+            rows,
+        }),
+    )
+}
+
+/// The greatest errors by the angle of view, as \[Liv07\] table 6 has them.
+fn by_angle(bench: &Bench, engine: &mut Engine, paths: &[Path]) -> Result<Figure, SuiteError> {
+    let mut rows = Vec::new();
+    for angle_deg in angles_deg(bench.context) {
+        let mut row: Vec<Cell> = vec![angle_deg.into()];
+        for path in paths {
+            bench.context.go_on()?;
+            let mut all = Vec::new();
+            for camera in path.cameras(-angle_deg) {
+                let still = bench.draw(engine, camera, Setting::STANDARD)?;
+                all.extend(bench.offsets(engine, &still)?);
+            }
+            let errors = Errors::of(all.iter().map(|o| o.screen_px));
+            row.extend([errors.mean, errors.p99, errors.max].map(Cell::from));
+        }
+        rows.push(row);
+    }
+    let mut head = vec!["view angle, ° below the horizon".to_owned()];
+    for path in paths {
+        let errors = ["mean", "p99", "max"];
+        head.extend(errors.map(|e| format!("{}: {e} error, px", path.name)));
+    }
+    Ok(Figure::new(
+        "angles",
+        "Screen-space error by the angle of view",
+        "Default mesh of a graphics processor; flat and mountainous ground, as [Liv07] table 6.",
+        Content::Table(Table { head, rows }),
+    ))
+}

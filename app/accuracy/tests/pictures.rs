@@ -1,0 +1,114 @@
+//! The suites about pictures, small: what the clipmaps show is what the reference says.
+//!
+//! They need a graphics adapter; a software one will do.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use relievo_accuracy::suites::{called, colour, convergence, geometry};
+use relievo_accuracy::{Cell, Content, Context, DeviceWish, Report, Suite, Table};
+
+fn report(suite: Suite) -> Report {
+    (suite.run)(&Context::new(true, DeviceWish::IfAny, &|_| ())).unwrap()
+}
+
+fn table<'a>(report: &'a Report, name: &str) -> &'a Table {
+    let figure = report.figures.iter().find(|f| f.name == name).unwrap();
+    let Content::Table(table) = &figure.content else {
+        panic!("{name} is a table")
+    };
+    table
+}
+
+/// Numbers of a column, for the rows whose words `of` accepts.
+fn column(table: &Table, head: &str, of: impl Fn(&[Cell]) -> bool) -> Vec<f64> {
+    let at = table.head.iter().position(|h| h == head).unwrap();
+    let rows = table.rows.iter().filter(|row| of(row));
+    rows.map(|row| match &row[at] {
+        Cell::Number(number) => *number,
+        Cell::Text(text) => panic!("{head}: {text}"),
+    })
+    .collect()
+}
+
+#[test]
+fn without_an_adapter_the_suites_say_what_is_missing() {
+    for name in ["colour", "geometry", "convergence"] {
+        let suite = called(name).unwrap();
+        let context = Context::new(true, DeviceWish::Without, &|_| ());
+        let report = (suite.run)(&context).unwrap();
+        assert!(
+            report.summary[0].contains("no graphics device"),
+            "{report:?}"
+        );
+    }
+}
+
+mod on_device {
+    use super::*;
+
+    #[test]
+    fn the_clipmaps_show_the_colours_of_the_reference() {
+        let report = report(colour::SUITE);
+        let table = table(&report, "table");
+        assert_eq!(
+            table.rows.len(),
+            8,
+            "two views, two windows, two numbers of taps"
+        );
+        let with = |window: f64, taps: f64| {
+            move |row: &[Cell]| row[1] == Cell::Number(window) && row[2] == Cell::Number(taps)
+        };
+        let sharp = column(table, "mean ΔE00", with(1024.0, 8.0));
+        let coarse = column(table, "mean ΔE00", with(256.0, 1.0));
+        for (sharp, coarse) in sharp.iter().zip(&coarse) {
+            assert!(*sharp < 2.0 && *sharp <= coarse + 0.1, "{sharp} {coarse}");
+        }
+        let alike = column(table, "SSIM of L*", with(1024.0, 8.0));
+        assert!(alike.iter().all(|s| *s > 0.9), "{alike:?}");
+        // The truth is sure of itself.
+        let confirmed = column(table, "truth, halved spacing, mean of 1", |_| true);
+        assert!(confirmed.iter().all(|c| *c < 0.01), "{confirmed:?}");
+        assert!(
+            report
+                .figures
+                .iter()
+                .any(|f| matches!(f.content, Content::Picture(_)))
+        );
+    }
+
+    #[test]
+    fn the_clipmaps_show_the_ground_where_the_reference_has_it() {
+        let report = report(geometry::SUITE);
+        let table = table(&report, "table");
+        let mesh = |name: &'static str| move |row: &[Cell]| row[1] == Cell::from(name);
+        let fine = column(table, "mean error, px", mesh("512 × 40"));
+        let coarse = column(table, "mean error, px", mesh("64 × 8"));
+        assert_eq!((fine.len(), coarse.len()), (2, 2));
+        for (fine, coarse) in fine.iter().zip(&coarse) {
+            assert!(
+                *fine > 0.0 && *fine < 0.3 && fine < coarse,
+                "{fine} {coarse}"
+            );
+        }
+        let sparse = column(table, "distortion, px", mesh("64 × 8"));
+        let dense = column(table, "distortion, px", mesh("512 × 40"));
+        assert!(
+            dense.iter().zip(&sparse).all(|(d, s)| d < s),
+            "{dense:?} {sparse:?}"
+        );
+    }
+
+    #[test]
+    fn after_a_jump_the_picture_becomes_the_converged_one() {
+        let report = report(convergence::SUITE);
+        let table = table(&report, "jump-table");
+        assert!(
+            table
+                .rows
+                .iter()
+                .all(|row| row.contains(&Cell::from("yes")))
+        );
+        let last = column(table, "error of the last frame, ΔE00", |_| true);
+        assert!(last.iter().all(|e| *e < 0.05), "{last:?}");
+    }
+}
