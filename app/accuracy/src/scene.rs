@@ -40,18 +40,15 @@ pub(crate) fn open_with(context: &Context, threads: usize) -> Result<Engine, Sui
         ..EngineOptions::default()
     };
     let system = |error: std::io::Error| SuiteError::System(error.to_string());
-    let mut engine = match &context.project {
-        Some(path) => {
-            let path = std::path::absolute(path).map_err(system)?;
-            let opened = Engine::open(&path, options);
-            opened.map_err(|e| SuiteError::Input(e.to_string()))?.0
-        }
-        None => {
-            let name = Path::new("synthetic.relievo");
-            let project = Project::from_json(OWN, name)
-                .map_err(|error| SuiteError::Input(error.to_string()))?;
-            Engine::new(project, Path::new("."), options).map_err(system)?
-        }
+    let mut engine = if let Some(path) = &context.project {
+        let path = std::path::absolute(path).map_err(system)?;
+        let opened = Engine::open(&path, options);
+        opened.map_err(|e| SuiteError::Input(e.to_string()))?.0
+    } else {
+        let name = Path::new("synthetic.relievo");
+        let project =
+            Project::from_json(OWN, name).map_err(|error| SuiteError::Input(error.to_string()))?;
+        Engine::new(project, Path::new("."), options).map_err(system)?
     };
     engine.wait_for_sources();
     let broken = engine

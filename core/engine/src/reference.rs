@@ -383,6 +383,9 @@ fn offsets<F: Field>(
     )
 }
 
+/// What is done with the ground and its patches.
+type OnGround<'w, F, T> = dyn Fn(Ground, &Patches<'_, F>, &Task) -> Result<T, RenderError> + 'w;
+
 /// Work on the ground below the highest height. How high that is, a survey says, with as much again
 /// as its heights differ; should a ray have met something higher still, the work is done again.
 fn on_ground<F: Field, T>(
@@ -391,7 +394,7 @@ fn on_ground<F: Field, T>(
     view: &View,
     settings: &ReferenceSettings,
     task: &Task,
-    work: &dyn Fn(Ground, &Patches<'_, F>, &Task) -> Result<T, RenderError>,
+    work: &OnGround<'_, F, T>,
 ) -> Result<T, RenderError> {
     let radius_m = stage.planet.radius_m;
     let levels = Levels::new(radius_m, field.finest());
@@ -434,7 +437,7 @@ fn survey<F: Field>(
     let whole = LevelKey::new(2, 1);
     include(&Grid::new(Arc::new(whole.lattice()), whole.extent()))?;
     for n in 2..=levels.cap() {
-        let spot = levels.spot(n, stage.camera.map_point().normalised());
+        let spot = Levels::spot(n, stage.camera.map_point().normalised());
         let grid = spot.key.grid();
         let middle = grid.rect.min + DVec2::new(spot.u, spot.v).as_i64vec2();
         let rect = SampleRect::at(middle.x - SIDE / 2, middle.y - SIDE / 2, SIDE, SIDE);

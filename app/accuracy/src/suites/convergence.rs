@@ -196,7 +196,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
     report.summary = rows.iter().zip(&settings).map(|((settled_ms, _), setting)| {
         format!("{}: {settled_ms:.0} ms after a jump the picture is within one CIEDE2000 of the converged one on average.", setting.name())
     }).collect();
-    report.figures.push(jump_chart(&from.name, &to.name, jumps));
+    report.figures.push(jump_chart(from.name, to.name, jumps));
     report
         .figures
         .push(jump_table(rows.into_iter().map(|(_, row)| row).collect()));

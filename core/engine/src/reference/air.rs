@@ -77,7 +77,7 @@ impl Air {
                 self.eye_up
             };
             let sun_up = lowest_up.dot(self.sun);
-            let air = self.to_space(self.eye_altitude_m, up);
+            let air = self.out_to_space(self.eye_altitude_m, up);
             light = self.scattered(air, sun_up, ray.dot(self.sun));
             sun *= self.transmitted(air);
             let near = libm::exp(-18.0 * sun_angle) * 0.35;
@@ -98,7 +98,7 @@ impl Air {
         height_m - r * up * up / (1.0 + (1.0 - up * up).max(0.0).sqrt())
     }
 
-    fn to_space(&self, height_m: f64, up: f64) -> f64 {
+    fn out_to_space(&self, height_m: f64, up: f64) -> f64 {
         if up >= 0.0 {
             return self.rising(height_m, up);
         }
@@ -112,9 +112,10 @@ impl Air {
         let up_here = up.dot(towards_eye);
         let up_at_eye = self.eye_up.dot(towards_eye);
         let air = if up_at_eye < 0.0 {
-            self.to_space(self.eye_altitude_m, -up_at_eye) - self.to_space(height_m, -up_here)
+            self.out_to_space(self.eye_altitude_m, -up_at_eye)
+                - self.out_to_space(height_m, -up_here)
         } else {
-            self.to_space(height_m, up_here) - self.to_space(self.eye_altitude_m, up_at_eye)
+            self.out_to_space(height_m, up_here) - self.out_to_space(self.eye_altitude_m, up_at_eye)
         };
         air.max(0.0)
     }

@@ -135,7 +135,7 @@ impl Levels {
     }
 
     /// Where a place of the map, in range, lies in level n.
-    pub(super) fn spot(&self, n: u8, point: MapPoint) -> Spot {
+    pub(super) fn spot(n: u8, point: MapPoint) -> Spot {
         let rows = libm::exp2(f64::from(n)) * TILE_SAMPLES as f64;
         let y = point.colat_rad / PI * rows - 0.5;
         let row = (y / CELLS as f64).floor() as i64;
@@ -176,9 +176,8 @@ mod tests {
         fn a_spot_lies_in_its_patch_and_leads_back_to_the_place(
             lon in -PI..PI, colat in 0.0..=PI, n in 0_u8..24,
         ) {
-            let levels = Levels::new(6.371e6, 28);
             let point = MapPoint::new(lon, colat);
-            let spot = levels.spot(n, point);
+            let spot = Levels::spot(n, point);
             prop_assert!((0.0..=CELLS as f64).contains(&spot.u) && (0.0..=CELLS as f64).contains(&spot.v));
             let back = spot.key.map_point(spot.u, spot.v);
             prop_assert!((back.lon_rad - lon).abs() < 1e-14 && (back.colat_rad - colat).abs() < 1e-14);

@@ -101,9 +101,7 @@ impl Ground {
         Place {
             position,
             radius_m: position.length(),
-            spot: self
-                .levels
-                .spot(n, MapPoint::from_direction(position).normalised()),
+            spot: Levels::spot(n, MapPoint::from_direction(position).normalised()),
             n,
         }
     }
