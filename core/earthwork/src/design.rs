@@ -15,7 +15,7 @@ use relievo_planet::{MapPoint, Planet};
 
 use crate::frame::MapRect;
 use crate::index::MapIndex;
-use crate::patch::Patch;
+use crate::patch::{Patch, Window};
 use crate::prepared::{Form, Shaped};
 use crate::solid::{Hit, Scratch, Solid};
 
@@ -61,6 +61,9 @@ pub enum Samples<'a> {
         width: usize,
     },
 }
+
+/// Safety against rounding of an element's rectangles, metres.
+const SLACK_M: f64 = 1e-3;
 
 /// Side of the pieces that are evaluated together, samples.
 const BLOCK: usize = 16;
@@ -191,20 +194,31 @@ impl Design {
             None => (0..self.elements.len() as u32).collect(),
         };
         let mut scratch = Scratch::default();
-        let mut hits: Vec<(u32, &Form, Vec<Hit>)> = Vec::new();
+        let mut hits: Vec<Hits> = Vec::new();
         for e in near {
-            let form = &self.elements[e as usize].form;
-            let mut of_patch = Vec::new();
-            let acts = match form {
+            let shaped = &self.elements[e as usize];
+            let mut of = Hits {
+                number: e,
+                form: &shaped.form,
+                window: patch.whole(),
+                hits: Vec::new(),
+            };
+            let acts = match &shaped.form {
                 Form::Solid(solid) => {
                     let around = is_narrow(solid, spacing_m).then_some(spacing_m);
-                    solid.evaluate(patch, around, &mut scratch, &mut of_patch)
+                    if rect.is_some() {
+                        let boxes = shaped.reach().iter();
+                        let boxes = boxes.map(|b| b.grow(&self.planet, around.unwrap_or(SLACK_M)));
+                        of.window = patch.window(boxes);
+                    }
+                    let part = patch.part(&of.window);
+                    part.len() > 0 && solid.evaluate(&part, around, &mut scratch, &mut of.hits)
                 }
                 Form::Brush(_) => true,
                 Form::Nothing => false,
             };
             if acts {
-                hits.push((e, form, of_patch));
+                hits.push(of);
             }
         }
         if hits.is_empty() {
@@ -217,28 +231,28 @@ impl Design {
         let mut by: Vec<Option<(u32, Part)>> = vec![None; count];
         // The last inside counts, and everything below it does not.
         let mut inside: Vec<Option<u32>> = vec![None; count];
-        for (e, form, hits) in hits.iter().rev() {
-            let Form::Solid(solid) = form else {
+        for of in hits.iter().rev() {
+            let Form::Solid(solid) = of.form else {
                 continue;
             };
             if is_narrow(solid, spacing_m) {
                 continue;
             }
-            for (k, hit) in hits.iter().enumerate() {
+            for (k, hit) in of.samples(columns) {
                 if let (None, Some(surface)) = (inside[k], hit.inside_m) {
-                    inside[k] = Some(*e);
+                    inside[k] = Some(of.number);
                     heights[k] = solid.inside(surface, ground[k]);
-                    by[k] = Some((*e, Part::Interior));
+                    by[k] = Some((of.number, Part::Interior));
                 }
             }
         }
         let mut acts = vec![true; count];
-        for (number, form, hits) in &hits {
-            let number = *number;
-            match form {
+        for of in &hits {
+            let number = of.number;
+            match of.form {
                 Form::Solid(solid) => {
                     let narrow = is_narrow(solid, spacing_m);
-                    for (k, hit) in hits.iter().enumerate() {
+                    for (k, hit) in of.samples(columns) {
                         let done = if narrow {
                             (inside[k].is_none_or(|i| i < number))
                                 .then(|| solid.covered(hit, heights[k], spacing_m))
@@ -272,6 +286,28 @@ impl Design {
                 outcomes[place(k)] = Outcome { height_m, by };
             }
         }
+    }
+}
+
+/// What an element says in a part of a block.
+struct Hits<'a> {
+    number: u32,
+    form: &'a Form,
+    window: Window,
+    hits: Vec<Hit>,
+}
+
+impl Hits<'_> {
+    /// Each hit with its place in a block of rows of `columns` samples.
+    fn samples(&self, columns: usize) -> impl Iterator<Item = (usize, &Hit)> {
+        let Window {
+            columns: within,
+            rows,
+        } = &self.window;
+        let width = within.len().max(1);
+        let first = rows.start * columns + within.start;
+        let places = (0..self.hits.len()).map(move |j| first + j / width * columns + j % width);
+        places.zip(&self.hits)
     }
 }
 

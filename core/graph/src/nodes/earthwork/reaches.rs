@@ -48,6 +48,8 @@ pub(super) struct Reaches {
     added: Vec<u32>,
     /// Where each element of the index's list is in the present one; `None`: where it was.
     now_at: Option<Vec<u32>>,
+    /// Of the present list, where it is not as in the index's.
+    known: Mutex<GridMemory<Touching>>,
 }
 
 struct Base {
@@ -82,12 +84,16 @@ impl Base {
         found.dedup();
         found.retain(|i| place.is_touched(&self.elements[*i as usize], grid));
         let found = Touching::new(found, &self.elements);
-        let mut known = self.known.lock();
-        // Another thread may have been quicker.
-        if known.get(grid).is_none() {
-            known.insert(grid, found.clone());
-        }
+        remember(&self.known, grid, &found);
         found
+    }
+}
+
+fn remember(known: &Mutex<GridMemory<Touching>>, grid: &Grid, found: &Touching) {
+    let mut known = known.lock();
+    // Another thread may have been quicker.
+    if known.get(grid).is_none() {
+        known.insert(grid, found.clone());
     }
 }
 
@@ -124,6 +130,7 @@ impl Reaches {
             gone: Vec::new(),
             added: Vec::new(),
             now_at: None,
+            known: Mutex::new(GridMemory::new(MOST_GRIDS)),
         }
     }
 
@@ -166,6 +173,7 @@ impl Reaches {
             gone: gone.map(|(was, _)| was as u32).collect(),
             added,
             now_at: moved.then_some(now_at),
+            known: Mutex::new(GridMemory::new(MOST_GRIDS)),
         }
     }
 
@@ -181,7 +189,20 @@ impl Reaches {
             spacing_m,
             rects: None,
         };
-        let known = self.base.touching(grid, &mut place);
+        if self.added.is_empty() && self.gone.is_empty() {
+            return self.base.touching(grid, &mut place);
+        }
+        if let Some(known) = self.known.lock().get(grid) {
+            return known.clone();
+        }
+        let found = self.patched(grid, &mut place, elements);
+        remember(&self.known, grid, &found);
+        found
+    }
+
+    /// What the index knows, put right.
+    fn patched(&self, grid: &Grid, place: &mut Place, elements: &[Arc<PlacedElement>]) -> Touching {
+        let known = self.base.touching(grid, place);
         let is_gone = |i: &u32| self.gone.binary_search(i).is_ok();
         let added = self.added.iter().copied();
         let added: Vec<u32> = added
