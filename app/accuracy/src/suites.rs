@@ -5,6 +5,7 @@ pub mod convergence;
 pub mod geometry;
 pub mod leaving_out;
 pub mod noise;
+pub mod planning;
 pub mod resample;
 pub mod stability;
 pub mod transform;
@@ -18,6 +19,7 @@ pub const ALL: &[Suite] = &[
     colour::SUITE,
     convergence::SUITE,
     resample::SUITE,
+    planning::SUITE,
     noise::SUITE,
     stability::SUITE,
     leaving_out::SUITE,
