@@ -4,7 +4,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use relievo_accuracy::suites::{called, colour, convergence, geometry};
+use relievo_accuracy::suites::{colour, convergence, geometry};
 use relievo_accuracy::{Cell, Content, Context, DeviceWish, Report, Suite, Table};
 
 fn report(suite: Suite) -> Report {
@@ -32,8 +32,7 @@ fn column(table: &Table, head: &str, of: impl Fn(&[Cell]) -> bool) -> Vec<f64> {
 
 #[test]
 fn without_an_adapter_the_suites_say_what_is_missing() {
-    for name in ["colour", "geometry", "convergence"] {
-        let suite = called(name).unwrap();
+    for suite in [colour::SUITE, geometry::SUITE, convergence::SUITE] {
         let context = Context::new(true, DeviceWish::Without, &|_| ());
         let report = (suite.run)(&context).unwrap();
         assert!(

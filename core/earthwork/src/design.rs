@@ -201,7 +201,7 @@ impl Design {
                 number: e,
                 form: &shaped.form,
                 window: patch.whole(),
-                hits: Vec::new(),
+                found: Vec::new(),
             };
             let acts = match &shaped.form {
                 Form::Solid(solid) => {
@@ -212,7 +212,7 @@ impl Design {
                         of.window = patch.window(boxes);
                     }
                     let part = patch.part(&of.window);
-                    part.len() > 0 && solid.evaluate(&part, around, &mut scratch, &mut of.hits)
+                    part.len() > 0 && solid.evaluate(&part, around, &mut scratch, &mut of.found)
                 }
                 Form::Brush(_) => true,
                 Form::Nothing => false,
@@ -294,7 +294,7 @@ struct Hits<'a> {
     number: u32,
     form: &'a Form,
     window: Window,
-    hits: Vec<Hit>,
+    found: Vec<Hit>,
 }
 
 impl Hits<'_> {
@@ -306,8 +306,8 @@ impl Hits<'_> {
         } = &self.window;
         let width = within.len().max(1);
         let first = rows.start * columns + within.start;
-        let places = (0..self.hits.len()).map(move |j| first + j / width * columns + j % width);
-        places.zip(&self.hits)
+        let places = (0..self.found.len()).map(move |j| first + j / width * columns + j % width);
+        places.zip(&self.found)
     }
 }
 

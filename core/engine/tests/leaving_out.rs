@@ -123,7 +123,7 @@ fn converge(engine: &mut Engine) -> usize {
 #[derive(Debug, PartialEq)]
 struct Made {
     tiles: Vec<(ClipKind, TileKey, ContentId)>,
-    made: u64,
+    tasks: u64,
     cache_bytes: usize,
     resident: usize,
     uploads: usize,
@@ -155,7 +155,7 @@ fn picture(folder: &Path, layers: Vec<Layer>) -> (Engine, Made) {
     let stats = engine.stats();
     let made = Made {
         tiles: engine.visible_tiles(),
-        made: stats.tiles.made,
+        tasks: stats.tiles.made,
         cache_bytes: stats.tiles.cache_bytes,
         resident: stats.kept.resident,
         uploads,
@@ -166,7 +166,9 @@ fn picture(folder: &Path, layers: Vec<Layer>) -> (Engine, Made) {
 /// The compiled graph without the names of layers.
 fn graph(engine: &Engine) -> Vec<NodeReport> {
     let mut nodes = engine.nodes();
-    nodes.iter_mut().for_each(|n| n.layer = None);
+    for node in &mut nodes {
+        node.layer = None;
+    }
     nodes
 }
 

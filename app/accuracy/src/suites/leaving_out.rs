@@ -30,7 +30,7 @@ const VIEWPORT_PX: [u32; 2] = [320, 240];
 struct Made {
     nodes: Vec<NodeReport>,
     tiles: Vec<(ClipKind, TileKey, ContentId)>,
-    tiles_made: u64,
+    tasks: u64,
     cache_bytes: usize,
     resident: usize,
     left_out: usize,
@@ -43,7 +43,9 @@ impl Made {
     /// The graph, not counting what layers are called.
     fn graph(&self) -> Vec<NodeReport> {
         let mut nodes = self.nodes.clone();
-        nodes.iter_mut().for_each(|n| n.layer = None);
+        for node in &mut nodes {
+            node.layer = None;
+        }
         nodes
     }
 }
@@ -91,7 +93,7 @@ fn make(context: &Context, project: Project) -> Result<Made, SuiteError> {
     Ok(Made {
         nodes: engine.nodes(),
         tiles: engine.visible_tiles(),
-        tiles_made: stats.tiles.made,
+        tasks: stats.tiles.made,
         cache_bytes: stats.tiles.cache_bytes,
         resident: stats.kept.resident,
         left_out: engine.left_out().len(),
@@ -165,7 +167,7 @@ fn same_work(context: &Context) -> Result<Figure, SuiteError> {
                     "left out tile by tile".into()
                 },
                 yes(with.tiles == without.tiles),
-                Cell::Number(with.tiles_made as f64 - without.tiles_made as f64),
+                Cell::Number(with.tasks as f64 - without.tasks as f64),
                 Cell::Number(with.cache_bytes as f64 - without.cache_bytes as f64),
                 Cell::Number(with.resident as f64 - without.resident as f64),
                 on_device(|a, b| a.pipeline == b.pipeline),

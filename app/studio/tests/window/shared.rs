@@ -200,7 +200,7 @@ impl Window {
     }
 
     /// Answers the question for a path, where there is no file dialog.
-    pub(crate) fn type_path(&mut self, path: &std::path::Path) {
+    pub(crate) fn type_path(&mut self, path: &Path) {
         self.until("the question for a path", |w| {
             w.harness
                 .query_by_role_and_label(Role::TextInput, "Path")

@@ -104,7 +104,7 @@ fn conductances_of_needles_are_their_closed_forms() {
         DVec2::new(half, 0.0),
         DVec2::new(0.0, thin),
     ];
-    let found = conductance::conductances(&at, &[[0, 1, 3], [1, 2, 3]]);
+    let found = conductances(&at, &[[0, 1, 3], [1, 2, 3]]);
     let short = found
         .iter()
         .find(|e| (e.0, e.1) == (1, 3))

@@ -21,6 +21,10 @@ impl Engine {
     }
 
     /// Refuses a factor beyond the greatest.
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "no other edit changes planet or factor"
+    )]
     pub(super) fn check_exaggeration(&self, edit: &Edit) -> Result<(), EditError> {
         let settings = &self.project.planet;
         let (planet, wanted) = match edit {
@@ -31,10 +35,6 @@ impl Engine {
             Edit::Batch { edits, .. } => {
                 return edits.iter().try_for_each(|e| self.check_exaggeration(e));
             }
-            #[expect(
-                clippy::wildcard_enum_match_arm,
-                reason = "no other edit changes planet or factor"
-            )]
             _ => return Ok(()),
         };
         let limit = self.greatest_exaggeration(&planet);

@@ -22,7 +22,7 @@ fn hits(field: &Formula, stage: &Stage, settings: &ReferenceSettings) -> Vec<(DV
     let raster = raster(settings);
     let columns = settings.size_px[0] as usize;
     let along = |(i, depth): (usize, f64)| {
-        let place = glam::DVec2::new((i % columns) as f64, (i / columns) as f64) + 0.5;
+        let place = DVec2::new((i % columns) as f64, (i / columns) as f64) + 0.5;
         let ray = draw::ray(&view, &raster, place);
         (ray.direction, depth / ray.direction.dot(view.forward))
     };

@@ -70,6 +70,7 @@ impl Earthwork {
 
     /// The same with another list. What is known of elements that both have costs nothing again: a
     /// drag costs what the dragged element does, whatever else there is.
+    #[must_use]
     pub fn following(&self, planet: Planet, elements: Vec<Arc<PlacedElement>>) -> Self {
         let reaches = if self.planet == planet {
             self.reaches.follow(&elements)
@@ -78,8 +79,8 @@ impl Earthwork {
         };
         Self {
             planet,
-            reaches,
             elements,
+            reaches,
         }
     }
 

@@ -188,8 +188,8 @@ fn v_cycle(x: &mut [f64], right: &[f64], side: usize) {
             let at = |down: usize, right: usize| correction[r + down * coarse + c + right];
             x[row * side + column] += match (row % 2, column % 2) {
                 (0, 0) => at(0, 0),
-                (0, _) => (at(0, 0) + at(0, 1)) / 2.0,
-                (_, 0) => (at(0, 0) + at(1, 0)) / 2.0,
+                (0, _) => f64::midpoint(at(0, 0), at(0, 1)),
+                (_, 0) => f64::midpoint(at(0, 0), at(1, 0)),
                 _ => (at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1)) / 4.0,
             };
         }
@@ -198,24 +198,29 @@ fn v_cycle(x: &mut [f64], right: &[f64], side: usize) {
     sweep(x, right, side);
 }
 
+/// Solves a mesh in so many steps.
+type Solve = fn(&Mesh, usize) -> Vec<f64>;
+
 /// A solver with how far it goes.
 struct Setting {
     solver: &'static str,
-    setting: String,
+    name: String,
     mesh: usize,
-    solve: Box<dyn Fn(&Mesh) -> Vec<f64>>,
+    /// So many steps of the solver.
+    count: usize,
+    solve: Solve,
 }
 
 fn settings(meshes: usize, most: usize) -> Vec<Setting> {
     let mut all: Vec<Setting> = (0..meshes)
         .map(|mesh| Setting {
             solver: "direct, as the program does",
-            setting: "solved".to_owned(),
+            name: "solved".to_owned(),
             mesh,
-            solve: Box::new(Mesh::direct),
+            count: 1,
+            solve: |mesh, _| mesh.direct(),
         })
         .collect();
-    type Solve = fn(&Mesh, usize) -> Vec<f64>;
     let iterated: [(&str, &str, Solve, &[usize]); 3] = [
         (
             "multigrid",
@@ -240,9 +245,10 @@ fn settings(meshes: usize, most: usize) -> Vec<Setting> {
         for count in counts.iter().copied().filter(|count| *count <= most) {
             all.push(Setting {
                 solver,
-                setting: format!("{count} {unit}"),
+                name: format!("{count} {unit}"),
                 mesh: 0,
-                solve: Box::new(move |mesh| solve(mesh, count)),
+                count,
+                solve,
             });
         }
     }
@@ -258,7 +264,7 @@ pub(super) fn measure(context: &Context) -> Result<Report, SuiteError> {
     for setting in &settings {
         context.go_on()?;
         let mesh = &meshes[setting.mesh];
-        let found = (setting.solve)(mesh);
+        let found = (setting.solve)(mesh, setting.count);
         errors.push((mesh.error_m(&found), mesh.residual_m(&found)));
     }
     let mut works: Vec<Work> = settings
@@ -266,7 +272,7 @@ pub(super) fn measure(context: &Context) -> Result<Report, SuiteError> {
         .map(|setting| {
             let mesh = &meshes[setting.mesh];
             Work::new(1e6, move || {
-                black_box((setting.solve)(black_box(mesh)));
+                black_box((setting.solve)(black_box(mesh), setting.count));
             })
         })
         .collect();
@@ -277,7 +283,7 @@ pub(super) fn measure(context: &Context) -> Result<Report, SuiteError> {
         for ((setting, error), time) in settings.iter().zip(&errors).zip(&times) {
             let nodes = sides[setting.mesh] * sides[setting.mesh];
             let name = format!("{} ({nodes} nodes)", setting.solver);
-            let point = Point::timed(setting.setting.clone(), *time, of(error));
+            let point = Point::timed(setting.name.clone(), *time, of(error));
             match curves.iter_mut().find(|c| c.name == name) {
                 Some(curve) => curve.points.push(point),
                 None => curves.push(Curve {

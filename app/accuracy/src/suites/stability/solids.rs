@@ -66,9 +66,9 @@ fn cells(x: &[f64], y: &[f64]) -> (Vec<DVec2>, Vec<[usize; 3]>, Vec<bool>) {
     let (columns, rows) = (x.len() - 1, y.len() - 1);
     let index = |c: usize, r: usize| r * (columns + 1) + c;
     let (mut at, mut triangles, mut is_rim) = (Vec::new(), Vec::new(), Vec::new());
-    for r in 0..=rows {
-        for c in 0..=columns {
-            at.push(DVec2::new(x[c], y[r]));
+    for (r, y) in y.iter().enumerate() {
+        for (c, x) in x.iter().enumerate() {
+            at.push(DVec2::new(*x, *y));
             is_rim.push(c == 0 || r == 0 || c == columns || r == rows);
             if c < columns && r < rows {
                 let [a, b, d, e] =
@@ -317,9 +317,9 @@ fn lowest_cone(a: (DVec2, f64), b: (DVec2, f64), p: DVec2, slope: f64) -> f64 {
     for _ in 0..120 {
         let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
         if at(left) <= at(right) {
-            high = right
+            high = right;
         } else {
-            low = left
+            low = left;
         }
     }
     at(low).min(at(high)).min(at(0.0)).min(at(1.0))
