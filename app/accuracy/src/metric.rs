@@ -25,7 +25,7 @@ pub struct PictureError {
     pub psnr_db: f64,
     /// Mean structural similarity of lightness: 1 for equal pictures, see [`mean_ssim`].
     pub ssim: f64,
-    /// Mean colour difference, see [`ciede2000`]; about 1 is just noticeable side by side.
+    /// Mean colour difference, see [`ciede2000()`]; about 1 is just noticeable side by side.
     pub mean_de: f64,
     /// The colour difference that one in a hundred pixels exceeds.
     pub p99_de: f64,
