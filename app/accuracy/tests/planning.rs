@@ -33,7 +33,7 @@ fn covered_area_beats_centres_solvers_agree_and_volumes_converge() {
     let report = (SUITE.run)(&Context::new(true, DeviceWish::Without, &|_| ())).unwrap();
 
     let road = chart(&report, "road");
-    let of = |method: &str| error(road, method, "16 m");
+    let of = |method: &str| error(road, "16 m", method);
     assert!(of("as tiles") > 0.0 && of("as tiles") < 0.8 * of("at the centre"));
     for element in ["platform", "tin", "road"] {
         let chart = chart(&report, element);

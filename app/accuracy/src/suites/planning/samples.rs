@@ -84,16 +84,16 @@ pub(super) fn measure(context: &Context) -> Result<Report, SuiteError> {
             })
             .collect();
         let times = in_turns(context, &mut works)?;
-        let curves = Method::ALL.into_iter().map(|method| {
+        let curves = spacings.iter().map(|spacing_m| {
             let of = errors
                 .iter()
                 .zip(&times)
-                .filter(|((m, ..), _)| *m == method);
+                .filter(|((_, m, _), _)| m == spacing_m);
             Curve {
-                name: method.name(),
+                name: format!("samples of {spacing_m} m"),
                 points: of
-                    .map(|((_, spacing_m, error_m), time)| {
-                        Point::timed(format!("samples of {spacing_m} m"), *time, *error_m)
+                    .map(|((method, _, error_m), time)| {
+                        Point::timed(method.name(), *time, *error_m)
                     })
                     .collect(),
                 joined: true,
@@ -108,12 +108,11 @@ pub(super) fn measure(context: &Context) -> Result<Report, SuiteError> {
                 TRUTH.0,
                 2.0 * half_m
             ),
-            Content::Chart(Chart::trade(
-                "ns per sample",
-                "height error",
-                "m",
-                curves.collect(),
-            )),
+            // Which samples there are is not for choice: no front over all of them.
+            Content::Chart(Chart {
+                marks_front: false,
+                ..Chart::trade("ns per sample", "height error", "m", curves.collect())
+            }),
         ));
     }
     if let [tiles, centre, _, four] = far[..] {
