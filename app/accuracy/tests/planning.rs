@@ -38,8 +38,8 @@ fn covered_area_beats_centres_solvers_agree_and_volumes_converge() {
     for element in ["platform", "tin", "road"] {
         let chart = chart(&report, element);
         let (centre, four) = (
-            error(chart, "centre", " 2 m"),
-            error(chart, "4 × 4", " 2 m"),
+            error(chart, " 2 m", "centre"),
+            error(chart, " 2 m", "4 × 4"),
         );
         assert!(four < 0.5 * centre, "{element}: {four} {centre}");
     }

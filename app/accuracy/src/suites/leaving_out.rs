@@ -271,8 +271,9 @@ fn paired(before: &[f64], after: &[f64]) -> (f64, f64) {
         .map(|d| (d - mean) * (d - mean))
         .sum::<f64>()
         / freedom;
-    // Student's quantile by its expansion in 1/ν, good to 1 % from ν = 4.
-    let quantile = 1.96 + 2.372 / freedom + 2.822 / (freedom * freedom);
+    // Student's quantile by its expansion in 1/ν (Abramowitz and Stegun 26.7.5), good to 0.3 % from ν = 4.
+    let part = 1.0 / freedom;
+    let quantile = 1.960 + part * (2.372 + part * (2.823 + part * 2.556));
     (mean, quantile * (variance / count).sqrt())
 }
 
@@ -420,7 +421,7 @@ mod tests {
         let (mean, half) = paired(&[0.0; 5], &[1.0, 2.0, 3.0, 4.0, 5.0]);
         assert_eq!(mean, 3.0);
         assert!(
-            (half - 2.776 * (2.5_f64 / 5.0).sqrt()).abs() < 0.03,
+            (half - 2.776 * (2.5_f64 / 5.0).sqrt()).abs() < 0.01,
             "{half}"
         );
     }

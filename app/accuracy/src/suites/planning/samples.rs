@@ -58,7 +58,7 @@ pub(super) fn measure(context: &Context) -> Result<Report, SuiteError> {
     let mut far = Vec::new();
     for (name, title, element) in scenes {
         let scene = Scene::new(element);
-        let spacings: &[f64] = context.pick(&[2.0, 16.0], &[0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0]);
+        let spacings: &[f64] = context.pick(&[2.0, 16.0], &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0]);
         let mut errors = Vec::new();
         for spacing_m in spacings {
             context.go_on()?;

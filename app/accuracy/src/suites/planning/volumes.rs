@@ -14,10 +14,10 @@ use crate::timing::in_turns;
 use crate::{Axis, Chart, Content, Context, Curve, Figure, Point, Report, SuiteError, Work};
 
 /// Spacings that are halved nowhere, metres.
-const UNIFORM_M: [f64; 7] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25];
+const UNIFORM_M: [f64; 6] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5];
 
 /// Shares of the volume to which spacings are halved from 4 m on.
-const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
+const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
 /// Metres around the middle that are measured.
 const HALF_M: f64 = 70.0;
