@@ -27,14 +27,13 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use relievo_graph::RenderError;
 use relievo_planet::clipmap::view::View;
-use relievo_planet::{Camera, Grid, LevelKey, Planet, SampleRect};
-use relievo_raster::Cancel;
+use relievo_planet::{Camera, Planet};
 
 use self::air::Air;
 use self::draw::Raster;
 use self::field::{Field, Levels};
 use self::march::Ground;
-use self::patches::Patches;
+use self::patches::{Kept, Patches};
 use self::shade::Light;
 use crate::Engine;
 use crate::analysis::Task;
@@ -128,11 +127,13 @@ impl Default for Offset {
     }
 }
 
-/// One picture to be drawn: a revision, a camera, light and air. On any thread.
+/// One picture to be drawn: a revision, a camera, light and air. On any thread. Clones share the samples
+/// that they evaluate.
 #[derive(Clone)]
 pub struct Reference {
     scene: Arc<Scene>,
     stage: Stage,
+    kept: Arc<Kept>,
 }
 
 /// Everything but the source of samples.
@@ -160,11 +161,22 @@ impl Engine {
         Reference {
             scene: self.questions().scene,
             stage,
+            kept: Arc::default(),
         }
     }
 }
 
 impl Reference {
+    /// This picture, with the samples that another one of the same revision evaluates; alone where the
+    /// revisions differ.
+    #[must_use]
+    pub fn sharing(mut self, other: &Self) -> Self {
+        if Arc::ptr_eq(&self.scene, &other.scene) && self.stage.planet == other.stage.planet {
+            self.kept = Arc::clone(&other.kept);
+        }
+        self
+    }
+
     /// Draws the picture.
     ///
     /// # Errors
@@ -175,7 +187,7 @@ impl Reference {
         task: &Task,
     ) -> Result<ReferencePicture, RenderError> {
         let raster = raster(settings);
-        let pixels = picture(&*self.scene, &self.stage, settings, &raster, task)?;
+        let pixels = picture(self.ground(), &self.stage, settings, &raster, task)?;
         let [width, height] = raster.drawn();
         Ok(ReferencePicture {
             width,
@@ -194,7 +206,7 @@ impl Reference {
         settings: &ReferenceSettings,
         task: &Task,
     ) -> Result<Vec<f64>, RenderError> {
-        distances(&*self.scene, &self.stage, settings, task)
+        distances(self.ground(), &self.stage, settings, task)
     }
 
     /// How far the ground that a front-end shows is from the truth's. `shown_m`: for each pixel, row by
@@ -209,10 +221,10 @@ impl Reference {
         shown_m: &[f32],
         task: &Task,
     ) -> Result<Vec<Offset>, RenderError> {
-        offsets(&*self.scene, &self.stage, settings, shown_m, task)
+        offsets(self.ground(), &self.stage, settings, shown_m, task)
     }
 
-    /// Draws every `stride`th pixel of a picture again with half the spacing and twice the rays, and
+    /// Draws one of `stride`² squares of pixels again with half the spacing and twice the rays, and
     /// compares.
     ///
     /// # Errors
@@ -233,8 +245,12 @@ impl Reference {
             stride: stride.max(1),
             ..raster(&finer)
         };
-        let again = picture(&*self.scene, &self.stage, &finer, &raster, task)?;
+        let again = picture(self.ground(), &self.stage, &finer, &raster, task)?;
         Ok(compare(drawn, &raster, &again))
+    }
+
+    fn ground(&self) -> (&Scene, &Kept) {
+        (&self.scene, &self.kept)
     }
 }
 
@@ -277,7 +293,7 @@ fn compare(drawn: &ReferencePicture, raster: &Raster, again: &[[f32; 3]]) -> Con
 }
 
 fn picture<F: Field>(
-    field: &F,
+    field: (&F, &Kept),
     stage: &Stage,
     settings: &ReferenceSettings,
     raster: &Raster,
@@ -308,7 +324,7 @@ fn picture<F: Field>(
 }
 
 fn distances<F: Field>(
-    field: &F,
+    field: (&F, &Kept),
     stage: &Stage,
     settings: &ReferenceSettings,
     task: &Task,
@@ -339,7 +355,7 @@ fn distances<F: Field>(
 }
 
 fn offsets<F: Field>(
-    field: &F,
+    field: (&F, &Kept),
     stage: &Stage,
     settings: &ReferenceSettings,
     shown_m: &[f32],
@@ -389,7 +405,7 @@ type OnGround<'w, F, T> = dyn Fn(Ground, &Patches<'_, F>, &Task) -> Result<T, Re
 /// Work on the ground below the highest height. How high that is, a survey says, with as much again
 /// as its heights differ; should a ray have met something higher still, the work is done again.
 fn on_ground<F: Field, T>(
-    field: &F,
+    (field, kept): (&F, &Kept),
     stage: &Stage,
     view: &View,
     settings: &ReferenceSettings,
@@ -398,9 +414,9 @@ fn on_ground<F: Field, T>(
 ) -> Result<T, RenderError> {
     let radius_m = stage.planet.radius_m;
     let levels = Levels::new(radius_m, field.finest());
-    let (low_m, high_m) = survey(field, stage, &levels, task.cancel)?;
+    let patches = || Patches::new(field, kept, settings.memory, task.cancel);
+    let (low_m, high_m) = survey(&patches(), stage, &levels)?;
     let mut top_m = high_m + (high_m - low_m);
-    let patches = Patches::new(field, settings.memory, task.cancel);
     loop {
         let ground = Ground {
             radius_m,
@@ -410,6 +426,7 @@ fn on_ground<F: Field, T>(
             top_m: top_m * stage.exaggeration + 1e-9 * view.eye.length(),
             step: 0.25,
         };
+        let patches = patches();
         let made = work(ground, &patches, task)?;
         if patches.highest_m() <= top_m {
             return Ok(made);
@@ -418,30 +435,28 @@ fn on_ground<F: Field, T>(
     }
 }
 
-/// Lowest and highest height, metres without exaggeration: of the whole planet at a coarse level and of
-/// ever smaller surroundings of the eye at ever finer ones. The datum counts.
+/// Lowest and highest height, metres without exaggeration: of the whole planet at the coarsest level and
+/// of ever smaller surroundings of the eye at ever finer ones. The datum counts.
 fn survey<F: Field>(
-    field: &F,
+    patches: &Patches<'_, F>,
     stage: &Stage,
     levels: &Levels,
-    cancel: &Cancel,
 ) -> Result<(f64, f64), RenderError> {
-    const SIDE: i64 = 256;
-    let (mut low, mut high) = (0.0_f32, 0.0_f32);
-    let mut include = |grid: &Grid| -> Result<(), RenderError> {
-        for height in field.heights(grid, cancel)? {
-            (low, high) = (low.min(height), high.max(height));
-        }
+    let (mut low_m, mut high_m) = (0.0_f64, 0.0_f64);
+    let mut include = |key| -> Result<(), RenderError> {
+        let heights = patches.heights(key)?;
+        low_m = low_m.min(heights.lowest());
+        high_m = high_m.max(heights.highest());
         Ok(())
     };
-    let whole = LevelKey::new(2, 1);
-    include(&Grid::new(Arc::new(whole.lattice()), whole.extent()))?;
-    for n in 2..=levels.cap() {
-        let spot = Levels::spot(n, stage.camera.map_point().normalised());
-        let grid = spot.key.grid();
-        let middle = grid.rect.min + DVec2::new(spot.u, spot.v).as_i64vec2();
-        let rect = SampleRect::at(middle.x - SIDE / 2, middle.y - SIDE / 2, SIDE, SIDE);
-        include(&grid.with_rect(rect))?;
+    for key in Levels::coarsest() {
+        include(key)?;
     }
-    Ok((f64::from(low), f64::from(high)))
+    let below = stage.camera.map_point().normalised();
+    for n in 1..=levels.cap() {
+        for key in levels.spot(n, below).nearest() {
+            include(key)?;
+        }
+    }
+    Ok((low_m, high_m))
 }

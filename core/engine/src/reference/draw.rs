@@ -25,21 +25,30 @@ pub(super) struct Raster {
     pub(super) rays: u32,
     /// Samples of the ground along a ray's side of a pixel.
     pub(super) samples_per_pixel: f64,
-    /// Every how many pixels one is drawn, in both directions.
+    /// Of every how many squares of pixels one is drawn, in both directions.
     pub(super) stride: u32,
 }
+
+/// Side of the squares that [`Raster::stride`] counts, pixels: neighbours share the ground's samples.
+const SQUARE_PX: u32 = 8;
 
 impl Raster {
     /// Pixels that are drawn, across and down.
     pub(super) fn drawn(&self) -> [u32; 2] {
-        self.size_px.map(|s| s.max(1).div_ceil(self.stride.max(1)))
+        self.size_px.map(|size| {
+            let size = size.max(1);
+            let period = SQUARE_PX * self.stride.max(1);
+            size / period * SQUARE_PX + (size % period).min(SQUARE_PX)
+        })
     }
 
-    /// Middle of the drawn pixel (x, y), in pixels.
+    /// The drawn pixel (x, y), in pixels of the picture.
     pub(super) fn pixel(&self, x: u32, y: u32) -> [f64; 2] {
-        let first = self.stride / 2;
-        let at = |i: u32, size: u32| f64::from((i * self.stride + first).min(size - 1));
-        [at(x, self.size_px[0]), at(y, self.size_px[1])]
+        let at = |i: u32| {
+            let (square, within) = (i / SQUARE_PX, i % SQUARE_PX);
+            f64::from(square * SQUARE_PX * self.stride.max(1) + within)
+        };
+        [at(x), at(y)]
     }
 }
 

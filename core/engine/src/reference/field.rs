@@ -94,6 +94,19 @@ impl PatchKey {
     }
 }
 
+impl Spot {
+    /// Its patch and those of the same columns and rows that lie nearest.
+    pub(super) fn nearest(&self) -> [PatchKey; 4] {
+        let half = CELLS as f64 / 2.0;
+        let [east, south] = [self.u, self.v].map(|at| if at < half { -1 } else { 1 });
+        [[0, 0], [east, 0], [0, south], [east, south]].map(|[columns, rows]| PatchKey {
+            column: self.key.column + columns,
+            row: self.key.row + rows,
+            ..self.key
+        })
+    }
+}
+
 /// The map's levels with columns that are at most as wide on the ground as rows are high.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Levels {
@@ -101,7 +114,12 @@ pub(super) struct Levels {
     coarsest_m: f64,
     /// Finest level that is asked for.
     cap: u8,
+    /// Up to which angle from a pole the next number of columns, half as many, is enough.
+    fewer_columns_rad: [f64; FEWER],
 }
+
+/// How often columns may be halved towards a pole.
+const FEWER: usize = FINEST as usize;
 
 impl Levels {
     /// For a sphere and data whose finest level is `finest`.
@@ -109,7 +127,18 @@ impl Levels {
         Self {
             coarsest_m: PI * radius_m / TILE_SAMPLES as f64,
             cap: finest.saturating_add(BEYOND_DATA).min(FINEST),
+            fewer_columns_rad: core::array::from_fn(|k| libm::asin(libm::exp2(-(k as f64 + 1.0)))),
         }
+    }
+
+    /// All patches of the coarsest level.
+    pub(super) fn coarsest() -> impl Iterator<Item = PatchKey> {
+        let level = LevelKey::new(1, 0);
+        let across = |samples: i64| samples / CELLS;
+        let size = level.samples();
+        (0..across(size.y)).flat_map(move |row| {
+            (0..across(size.x)).map(move |column| PatchKey { level, column, row })
+        })
     }
 
     /// Finest level.
@@ -119,7 +148,7 @@ impl Levels {
 
     /// Distance between the rows of level n, metres.
     pub(super) fn spacing_m(&self, n: u8) -> f64 {
-        self.coarsest_m / libm::exp2(f64::from(n))
+        self.coarsest_m / (1_i64 << n) as f64
     }
 
     /// The coarsest level with at most this spacing in metres, or the finest there is.
@@ -135,11 +164,11 @@ impl Levels {
     }
 
     /// Where a place of the map, in range, lies in level n.
-    pub(super) fn spot(n: u8, point: MapPoint) -> Spot {
-        let rows = libm::exp2(f64::from(n)) * TILE_SAMPLES as f64;
+    pub(super) fn spot(&self, n: u8, point: MapPoint) -> Spot {
+        let rows = ((1_i64 << n) * TILE_SAMPLES) as f64;
         let y = point.colat_rad / PI * rows - 0.5;
         let row = (y / CELLS as f64).floor() as i64;
-        let level = LevelKey::new(columns_exponent(n, row, rows), n);
+        let level = LevelKey::new(self.columns_exponent(n, row, rows), n);
         let columns = level.samples().x as f64;
         let x = (point.lon_rad + PI) / (2.0 * PI) * columns - 0.5;
         let column = (x / CELLS as f64).floor() as i64;
@@ -149,20 +178,23 @@ impl Levels {
             v: y - (row * CELLS) as f64,
         }
     }
-}
 
-/// Exponent m of the columns of a row of patches: the least with which columns are nowhere wider on
-/// the ground than rows are high.
-fn columns_exponent(n: u8, row: i64, rows: f64) -> u8 {
-    let colat = |row: i64| ((row * CELLS) as f64 + 0.5) / rows * PI;
-    let (north, south) = (colat(row).max(0.0), colat(row + 1).min(PI));
-    let widest = if north <= FRAC_PI_2 && south >= FRAC_PI_2 {
-        1.0
-    } else {
-        libm::sin(north).max(libm::sin(south))
-    };
-    let m = libm::ceil(f64::from(n + 1) + libm::log2(widest)).max(0.0) as u8;
-    m.clamp(2.min(n + 1), n + 1)
+    /// Exponent m of the columns of a row of patches: the least with which columns are nowhere wider on
+    /// the ground than rows are high.
+    fn columns_exponent(&self, n: u8, row: i64, rows: f64) -> u8 {
+        let colat = |row: i64| ((row * CELLS) as f64 + 0.5) / rows * PI;
+        let (north, south) = (colat(row), colat(row + 1));
+        // The side nearer to the equator, as an angle from the nearer pole.
+        let widest = if north <= FRAC_PI_2 {
+            south.min(FRAC_PI_2)
+        } else {
+            PI - north
+        };
+        let fewer = self.fewer_columns_rad.iter().take_while(|c| widest <= **c);
+        (n + 1)
+            .saturating_sub(fewer.count() as u8)
+            .max(2.min(n + 1))
+    }
 }
 
 #[cfg(test)]
@@ -177,7 +209,7 @@ mod tests {
             lon in -PI..PI, colat in 0.0..=PI, n in 0_u8..24,
         ) {
             let point = MapPoint::new(lon, colat);
-            let spot = Levels::spot(n, point);
+            let spot = Levels::new(6.371e6, 28).spot(n, point);
             prop_assert!((0.0..=CELLS as f64).contains(&spot.u) && (0.0..=CELLS as f64).contains(&spot.v));
             let back = spot.key.map_point(spot.u, spot.v);
             prop_assert!((back.lon_rad - lon).abs() < 1e-14 && (back.colat_rad - colat).abs() < 1e-14);

@@ -1,9 +1,10 @@
-//! Where a ray meets the ground: marching with bisection, over space that pyramids of maxima show to
-//! be empty.
+//! Where a ray meets the ground: cell by cell, over space that pyramids of maxima show to be empty.
 //!
 //! The surface: at a place that is seen from a distance, the heights of the level that is fine enough
 //! for that distance, bilinear between sample centres, times the exaggeration, on the sphere. Blocks of
-//! cells that the ray passes above are left at their exact sides: two meridian planes and two cones.
+//! cells that the ray passes above are left at their exact sides: two meridian planes and two cones. In
+//! a cell that it does not, its height above the ground is a square function of the way but for the
+//! bend of the map within a cell: three places tell whether and where it meets the ground.
 
 use glam::DVec3;
 use relievo_graph::RenderError;
@@ -11,6 +12,9 @@ use relievo_planet::{MapPoint, ellipsoid::ray_sphere};
 
 use super::field::{Field, Levels, Spot};
 use super::patches::{Heights, Reader, STEPS};
+
+/// Longest way in one cell, of its rows' distance: a steep ray goes deep below a cell before it leaves.
+const LONGEST_IN_CELL: f64 = 2.0;
 
 /// A ray from the eye.
 #[derive(Clone, Copy, Debug)]
@@ -45,12 +49,23 @@ pub(super) struct Ground {
     pub(super) step: f64,
 }
 
-/// A place along a ray, with the patch of heights below it.
+/// A place along a ray.
 struct Place {
+    distance_m: f64,
     position: DVec3,
     radius_m: f64,
     spot: Spot,
     n: u8,
+    /// Signed height above the ground, metres with exaggeration.
+    clear_m: f64,
+}
+
+/// What a ray does next.
+enum Next {
+    /// Nothing is in its way for so many metres.
+    Empty(f64),
+    /// It goes so many metres within a cell whose ground may rise to it.
+    Cell(f64),
 }
 
 impl Ray {
@@ -69,18 +84,49 @@ impl Ground {
         let Some((enter, leave)) = self.shell(ray) else {
             return Ok(None);
         };
-        let (mut above, mut t) = (enter, enter);
-        while t <= leave {
-            let place = self.place(ray, t);
-            let heights = reader.heights(place.spot.key)?;
-            let height_m = place.radius_m - self.radius_m;
-            if height_m <= heights.at(&place.spot) * self.exaggeration {
-                return self.bisect(ray, above, t, reader).map(Some);
-            }
-            above = t;
-            t += self.empty(ray, t, &place, heights);
+        let mut here = self.place(ray, enter, reader)?;
+        if here.clear_m <= 0.0 {
+            return Ok(Some(self.hit_at(ray, enter)));
+        }
+        while here.distance_m <= leave {
+            let heights = reader.heights(here.spot.key)?;
+            let ahead = match self.next(ray, &here, heights) {
+                Next::Empty(step_m) => {
+                    let ahead = self.place(ray, here.distance_m + step_m, reader)?;
+                    if ahead.clear_m <= 0.0 {
+                        return self.meet(ray, &here, &ahead, reader).map(Some);
+                    }
+                    ahead
+                }
+                Next::Cell(step_m) => {
+                    let middle = self.place(ray, here.distance_m + 0.5 * step_m, reader)?;
+                    if middle.clear_m <= 0.0 {
+                        return self.meet(ray, &here, &middle, reader).map(Some);
+                    }
+                    let ahead = self.place(ray, here.distance_m + step_m, reader)?;
+                    if ahead.clear_m <= 0.0 {
+                        return self.meet(ray, &middle, &ahead, reader).map(Some);
+                    }
+                    let values = [here.clear_m, middle.clear_m, ahead.clear_m];
+                    if let Some(share) = dip(values) {
+                        let dip = self.place(ray, here.distance_m + share * step_m, reader)?;
+                        if dip.clear_m <= 0.0 {
+                            return self.meet(ray, &here, &dip, reader).map(Some);
+                        }
+                    }
+                    ahead
+                }
+            };
+            here = ahead;
         }
         Ok(None)
+    }
+
+    fn hit_at(&self, ray: &Ray, distance_m: f64) -> Hit {
+        Hit {
+            distance_m,
+            n: self.levels.fine_enough(distance_m * ray.spread),
+        }
     }
 
     /// Distances between which a ray is no higher than the highest ground.
@@ -95,15 +141,27 @@ impl Ground {
         Some((first, 2.0 * closest - first))
     }
 
-    fn place(&self, ray: &Ray, distance_m: f64) -> Place {
+    fn place<F: Field>(
+        &self,
+        ray: &Ray,
+        distance_m: f64,
+        reader: &mut Reader<'_, F>,
+    ) -> Result<Place, RenderError> {
         let position = ray.at(distance_m);
         let n = self.levels.fine_enough(distance_m * ray.spread);
-        Place {
+        let spot = self
+            .levels
+            .spot(n, MapPoint::from_direction(position).normalised());
+        let ground_m = reader.heights(spot.key)?.at(&spot) * self.exaggeration;
+        let radius_m = position.length();
+        Ok(Place {
+            distance_m,
             position,
-            radius_m: position.length(),
-            spot: Levels::spot(n, MapPoint::from_direction(position).normalised()),
+            radius_m,
+            spot,
             n,
-        }
+            clear_m: radius_m - self.radius_m - ground_m,
+        })
     }
 
     /// Signed height of a place of the ray above the ground.
@@ -113,96 +171,128 @@ impl Ground {
         distance_m: f64,
         reader: &mut Reader<'_, F>,
     ) -> Result<f64, RenderError> {
-        let place = self.place(ray, distance_m);
-        let heights = reader.heights(place.spot.key)?;
-        let ground_m = heights.at(&place.spot) * self.exaggeration;
-        Ok(place.radius_m - self.radius_m - ground_m)
+        Ok(self.place(ray, distance_m, reader)?.clear_m)
     }
 
-    /// The crossing between a distance above the ground and one that is not.
-    fn bisect<F: Field>(
+    /// The crossing between a place above the ground and one that is not: false position, which takes
+    /// turns at the ends (Dowell and Jarratt 1971: the Illinois form) and closes in from both sides.
+    fn meet<F: Field>(
         &self,
         ray: &Ray,
-        mut above: f64,
-        mut below: f64,
+        above: &Place,
+        below: &Place,
         reader: &mut Reader<'_, F>,
     ) -> Result<Hit, RenderError> {
+        let (mut above, mut above_m) = (above.distance_m, above.clear_m);
+        let (mut below, mut below_m) = (below.distance_m, below.clear_m);
         let exact = 1e-5 * self.step * ray.spread;
+        let mut last_was_above = None;
         for _ in 0..60 {
-            if below - above <= exact * below {
+            let (wide, least) = (below - above, exact * below);
+            if wide <= least {
                 break;
             }
-            let middle = 0.5 * (above + below);
-            if self.clearance(ray, middle, reader)? > 0.0 {
-                above = middle;
+            let guess = above + wide * (above_m / (above_m - below_m));
+            // Half of what is asked for beyond the guess: the other end comes there next.
+            let t = guess.clamp(above + 0.5 * least, below - 0.5 * least);
+            let clear_m = self.clearance(ray, t, reader)?;
+            let is_above = clear_m > 0.0;
+            let again = last_was_above == Some(is_above);
+            last_was_above = Some(is_above);
+            if is_above {
+                (above, above_m) = (t, clear_m);
+                if again {
+                    below_m *= 0.5;
+                }
             } else {
-                below = middle;
+                (below, below_m) = (t, clear_m);
+                if again {
+                    above_m *= 0.5;
+                }
             }
         }
-        Ok(Hit {
-            distance_m: below,
-            n: self.levels.fine_enough(below * ray.spread),
-        })
+        Ok(self.hit_at(ray, below))
     }
 
-    /// How far the ray may go on without meeting the ground: out of the largest block of cells that
-    /// it is above, or a part of a sample where there is none.
-    fn empty(&self, ray: &Ray, t: f64, place: &Place, heights: &Heights) -> f64 {
-        let spacing_m = self.levels.spacing_m(place.n);
+    /// How far the ray may go on without meeting the ground, by the block of cells that lets it go
+    /// farthest; or through its cell.
+    fn next(&self, ray: &Ray, here: &Place, heights: &Heights) -> Next {
+        let spacing_m = self.levels.spacing_m(here.n);
         let (least, beyond) = (self.step * spacing_m, 1e-3 * spacing_m);
-        let height_m = place.radius_m - self.radius_m;
+        // The level that counts becomes coarser on the way.
+        let change = if here.n == 0 {
+            f64::INFINITY
+        } else {
+            self.levels.spacing_m(here.n - 1) / ray.spread - here.distance_m
+        };
+        let height_m = here.radius_m - self.radius_m;
         let last = super::field::CELLS - 1;
         let cell = |at: f64| (at as i64).clamp(0, last) as usize;
-        let (x, y) = (cell(place.spot.u), cell(place.spot.v));
+        let at = [cell(here.spot.u), cell(here.spot.v)];
+        let mut farthest = 0.0_f64;
         for k in (0..STEPS).rev() {
-            let maximum_m = heights.maximum(k, x, y) * self.exaggeration;
+            let maximum_m = heights.maximum(k, at[0], at[1]) * self.exaggeration;
             if height_m <= maximum_m {
                 continue;
             }
-            let down = descent(ray, place, self.radius_m + maximum_m);
-            let out = leaving(ray, place, k, [x, y]);
-            let step = down.min(out);
-            if step > beyond {
-                // The level that counts becomes coarser on the way.
-                let change = if place.n == 0 {
-                    f64::INFINITY
-                } else {
-                    self.levels.spacing_m(place.n - 1) / ray.spread - t
-                };
-                return (step + beyond).min(change.max(least));
+            let out = leaving(ray, here, heights, k, at);
+            if out <= farthest {
+                break;
+            }
+            let down = descent(ray, here, self.radius_m + maximum_m);
+            farthest = farthest.max(down.min(out));
+            if down >= out {
+                break;
             }
         }
-        least
+        if farthest >= least {
+            return Next::Empty((farthest + beyond).min(change.max(least)));
+        }
+        let through = leaving(ray, here, heights, 0, at) + beyond;
+        let longest = change.min(LONGEST_IN_CELL * spacing_m);
+        Next::Cell(through.min(longest).max(least))
     }
+}
+
+/// Where, of the way, a square function with these values at its start, middle and end is below zero
+/// and least; none where it is not.
+fn dip([start, middle, end]: [f64; 3]) -> Option<f64> {
+    let bend = start - 2.0 * middle + end;
+    let slope = 4.0 * middle - 3.0 * start - end;
+    let share = -slope / (4.0 * bend);
+    // start + slope · s + 2 · bend · s².
+    let least = start + 0.5 * slope * share;
+    (bend > 0.0 && share > 0.0 && share < 1.0 && least < 0.0).then_some(share)
 }
 
 /// Distance until a descending ray is as low as a sphere that it is outside of; infinite when it
 /// never is.
 fn descent(ray: &Ray, place: &Place, sphere_m: f64) -> f64 {
-    ray_sphere(place.position, ray.direction, sphere_m).unwrap_or(f64::INFINITY)
+    let along = place.position.dot(ray.direction);
+    let product = (place.radius_m - sphere_m) * (place.radius_m + sphere_m);
+    let squared = along * along - product;
+    if along >= 0.0 || squared < 0.0 {
+        return f64::INFINITY;
+    }
+    product / (squared.sqrt() - along)
 }
 
 /// Distance until a ray leaves a block of 2^k cells, at most: mirror images of its sides count too.
-fn leaving(ray: &Ray, place: &Place, k: usize, [x, y]: [usize; 2]) -> f64 {
+fn leaving(ray: &Ray, place: &Place, heights: &Heights, k: usize, [x, y]: [usize; 2]) -> f64 {
     let (p, d) = (place.position, ray.direction);
-    let first = |cell: usize| ((cell >> k) << k) as f64;
-    let last = |cell: usize| (((cell >> k) + 1) << k) as f64;
-    let north_west = place.spot.key.map_point(first(x), first(y));
-    let south_east = place.spot.key.map_point(last(x), last(y));
+    let (meridians, cones) = heights.sides(k, x, y);
     let mut least = f64::INFINITY;
     let mut crosses = |t: f64| {
         if t > 0.0 && t < least {
             least = t;
         }
     };
-    for lon_rad in [north_west.lon_rad, south_east.lon_rad] {
-        let (sin, cos) = libm::sincos(lon_rad);
+    for [sin, cos] in meridians {
         // A NaN or infinity, for a ray along the meridian, crosses nothing.
         crosses((sin * p.x - cos * p.y) / (cos * d.y - sin * d.x));
     }
     let squared_m = place.radius_m * place.radius_m;
-    for colat_rad in [north_west.colat_rad, south_east.colat_rad] {
-        let cos = libm::cos(colat_rad);
+    for cos in cones {
         let (a, half_b, c) = (
             d.z * d.z - cos * cos,
             p.z * d.z - cos * cos * p.dot(d),
@@ -217,4 +307,25 @@ fn leaving(ray: &Ray, place: &Place, k: usize, [x, y]: [usize; 2]) -> f64 {
         }
     }
     least
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn a_dip_between_three_places_above_the_ground_is_found_where_it_is_deepest(
+            deepest in 0.01..0.99_f64, depth in 0.001..10.0_f64, bend in 0.1..1e4_f64,
+        ) {
+            let value = |s: f64| bend * (s - deepest) * (s - deepest) - depth;
+            let values = [value(0.0), value(0.5), value(1.0)];
+            prop_assume!(values.iter().all(|v| *v > 0.0));
+            let found = dip(values).expect("it is below zero");
+            prop_assert!((found - deepest).abs() < 1e-6, "{found} {deepest}");
+            prop_assert_eq!(dip(values.map(|v| v + 1.001 * depth)), None);
+        }
+    }
 }

@@ -1,4 +1,5 @@
-//! Patches of the evaluated ground, made when a ray first needs them and kept within a stated memory.
+//! Patches of the evaluated ground, made when a ray first needs them and kept within a stated memory,
+//! for other pictures of the same ground too.
 //!
 //! Invariant: a patch is a pure function of its key, so pictures do not depend on what was forgotten.
 
@@ -22,10 +23,15 @@ const SIDE: usize = CELLS as usize + 1;
 /// Steps of a pyramid of maxima: blocks of 1 to [`CELLS`] cells.
 pub(super) const STEPS: usize = CELLS.ilog2() as usize + 1;
 
-/// Heights of a patch and the pyramid of their maxima, metres without exaggeration.
+/// Heights of a patch and the pyramid of their maxima, metres without exaggeration; and the planes and
+/// cones on which the sides of its cells lie.
 #[derive(Debug)]
 pub(super) struct Heights {
     samples: Vec<f32>,
+    /// Sine and cosine of the longitude of each column of samples.
+    meridians: Vec<[f64; 2]>,
+    /// Cosine of the colatitude of each row of samples.
+    cones: Vec<f64>,
     /// For each step k: the greatest height over blocks of 2^k cells, corners included.
     maxima: [Vec<f32>; STEPS],
 }
@@ -56,7 +62,7 @@ fn corners(spot: &Spot) -> (usize, [f64; 4]) {
 }
 
 impl Heights {
-    fn new(samples: Vec<f32>) -> Self {
+    fn new(key: &PatchKey, samples: Vec<f32>) -> Self {
         let cells = CELLS as usize;
         let cell = |i: usize| {
             let (x, y) = (i % cells, i / cells);
@@ -77,7 +83,28 @@ impl Heights {
             let coarser = (0..side * side).map(of).collect();
             maxima[k] = coarser;
         }
-        Self { samples, maxima }
+        let meridian = |x: usize| {
+            let (sin, cos) = libm::sincos(key.map_point(x as f64, 0.0).lon_rad);
+            [sin, cos]
+        };
+        Self {
+            samples,
+            meridians: (0..SIDE).map(meridian).collect(),
+            cones: (0..SIDE)
+                .map(|y| libm::cos(key.map_point(0.0, y as f64).colat_rad))
+                .collect(),
+            maxima,
+        }
+    }
+
+    /// The sides of the block of 2^k cells that holds cell (x, y): sine and cosine of the longitudes of
+    /// the western and the eastern one, cosines of the colatitudes of the northern and the southern one.
+    pub(super) fn sides(&self, k: usize, x: usize, y: usize) -> ([[f64; 2]; 2], [f64; 2]) {
+        let ends = |cell: usize| [(cell >> k) << k, ((cell >> k) + 1) << k];
+        (
+            ends(x).map(|column| self.meridians[column]),
+            ends(y).map(|row| self.cones[row]),
+        )
     }
 
     /// Height at a spot of the patch, bilinear between sample centres, metres.
@@ -93,8 +120,14 @@ impl Heights {
         f64::from(self.maxima[k][(y >> k) * side + (x >> k)])
     }
 
-    fn highest(&self) -> f64 {
+    /// The greatest height, metres.
+    pub(super) fn highest(&self) -> f64 {
         f64::from(self.maxima[STEPS - 1][0])
+    }
+
+    /// The least height, metres.
+    pub(super) fn lowest(&self) -> f64 {
+        f64::from(self.samples.iter().copied().fold(f32::INFINITY, f32::min))
     }
 }
 
@@ -177,15 +210,17 @@ struct Store<T> {
     clock: u64,
 }
 
-impl<T> Store<T> {
-    fn new(most: usize) -> Self {
+impl<T> Default for Store<T> {
+    fn default() -> Self {
         Self {
             kept: HashMap::new(),
-            most: most.max(4),
+            most: 4,
             clock: 0,
         }
     }
+}
 
+impl<T> Store<T> {
     fn get(&mut self, key: &PatchKey) -> Option<Arc<T>> {
         self.clock += 1;
         let (used, patch) = self.kept.get_mut(key)?;
@@ -206,25 +241,32 @@ impl<T> Store<T> {
     }
 }
 
-/// All patches of one picture.
-pub(super) struct Patches<'a, F> {
-    field: &'a F,
-    cancel: &'a Cancel,
+/// What pictures of one ground keep of it.
+#[derive(Default)]
+pub(super) struct Kept {
     heights: Mutex<Store<Heights>>,
     looks: Mutex<Store<Look>>,
-    /// Greatest height of any patch so far, as the bits of an f64 that is not negative.
+}
+
+/// The patches of one picture.
+pub(super) struct Patches<'a, F> {
+    field: &'a F,
+    kept: &'a Kept,
+    cancel: &'a Cancel,
+    /// Greatest height of any patch that was read, as the bits of an f64 that is not negative.
     highest: AtomicU64,
 }
 
 impl<'a, F: Field> Patches<'a, F> {
-    /// None yet; at most about `memory` bytes of them are kept.
-    pub(super) fn new(field: &'a F, memory: usize, cancel: &'a Cancel) -> Self {
+    /// Those of a field, of which about `memory` bytes are kept.
+    pub(super) fn new(field: &'a F, kept: &'a Kept, memory: usize, cancel: &'a Cancel) -> Self {
         let (height_bytes, look_bytes) = (SIDE * SIDE * 4 * 7 / 3, SIDE * SIDE * 24);
+        kept.heights.lock().most = (memory / 2 / height_bytes).max(4);
+        kept.looks.lock().most = (memory / 2 / look_bytes).max(4);
         Self {
             field,
+            kept,
             cancel,
-            heights: Mutex::new(Store::new(memory / 2 / height_bytes)),
-            looks: Mutex::new(Store::new(memory / 2 / look_bytes)),
             highest: AtomicU64::new(0),
         }
     }
@@ -234,39 +276,47 @@ impl<'a, F: Field> Patches<'a, F> {
         f64::from_bits(self.highest.load(Ordering::Relaxed))
     }
 
-    fn heights(&self, key: PatchKey) -> Result<Arc<Heights>, RenderError> {
-        if let Some(kept) = self.heights.lock().get(&key) {
-            return Ok(kept);
-        }
-        if self.cancel.is_cancelled() {
-            return Err(RenderError::Cancelled);
-        }
-        let made = Arc::new(Heights::new(self.field.heights(&key.grid(), self.cancel)?));
+    /// Heights of a patch.
+    pub(super) fn heights(&self, key: PatchKey) -> Result<Arc<Heights>, RenderError> {
+        let patch = kept_or_made(&self.kept.heights, key, self.cancel, || {
+            let samples = self.field.heights(&key.grid(), self.cancel)?;
+            Ok(Heights::new(&key, samples))
+        })?;
         // The bits of positive numbers are in their order.
-        let highest = made.highest().max(0.0).to_bits();
+        let highest = patch.highest().max(0.0).to_bits();
         self.highest.fetch_max(highest, Ordering::Relaxed);
-        self.heights.lock().put(key, Arc::clone(&made));
-        Ok(made)
+        Ok(patch)
     }
 
     fn look(&self, key: PatchKey) -> Result<Arc<Look>, RenderError> {
-        if let Some(kept) = self.looks.lock().get(&key) {
-            return Ok(kept);
-        }
-        if self.cancel.is_cancelled() {
-            return Err(RenderError::Cancelled);
-        }
-        let grid = key.grid();
-        let colours = self.field.colours(&grid, self.cancel)?;
-        let normals = self.field.normals(&grid, self.cancel)?;
-        let made = Arc::new(Look::new(&key, colours.as_ref(), normals.as_ref()));
-        self.looks.lock().put(key, Arc::clone(&made));
-        Ok(made)
+        kept_or_made(&self.kept.looks, key, self.cancel, || {
+            let grid = key.grid();
+            let colours = self.field.colours(&grid, self.cancel)?;
+            let normals = self.field.normals(&grid, self.cancel)?;
+            Ok(Look::new(&key, colours.as_ref(), normals.as_ref()))
+        })
     }
 }
 
-/// Slots of a reader, per kind.
-const RECENT: usize = 64;
+fn kept_or_made<T>(
+    store: &Mutex<Store<T>>,
+    key: PatchKey,
+    cancel: &Cancel,
+    make: impl FnOnce() -> Result<T, RenderError>,
+) -> Result<Arc<T>, RenderError> {
+    if let Some(kept) = store.lock().get(&key) {
+        return Ok(kept);
+    }
+    if cancel.is_cancelled() {
+        return Err(RenderError::Cancelled);
+    }
+    let made = Arc::new(make()?);
+    store.lock().put(key, Arc::clone(&made));
+    Ok(made)
+}
+
+/// Slots of a reader, per kind: for 8 × 8 neighbours in each of 4 levels.
+const RECENT: usize = 256;
 
 /// One thread's way to patches: those it used last without asking for a lock.
 pub(super) struct Reader<'a, F> {
@@ -307,6 +357,6 @@ impl<'a, F: Field> Reader<'a, F> {
 
 /// Neighbours in columns, rows and levels get different slots.
 fn slot_of(key: &PatchKey) -> usize {
-    let mixed = key.column + 5 * key.row + 19 * i64::from(key.level.n);
-    mixed.rem_euclid(RECENT as i64) as usize
+    let low = |i: i64, bits: u32| (i & ((1 << bits) - 1)) as usize;
+    low(key.column, 3) | low(key.row, 3) << 3 | low(i64::from(key.level.n), 2) << 6
 }

@@ -5,7 +5,7 @@ use relievo_graph::RenderError;
 use relievo_planet::MapPoint;
 
 use super::air::Air;
-use super::field::{Field, Levels};
+use super::field::Field;
 use super::light::{lit, steepened};
 use super::march::{Ground, Hit, Ray};
 use super::patches::Reader;
@@ -78,7 +78,7 @@ impl Light {
         reader: &mut Reader<'_, F>,
     ) -> Result<(DVec3, Option<DVec3>), RenderError> {
         let point = MapPoint::from_direction(up).normalised();
-        let spot = Levels::spot(n, point);
+        let spot = self.ground.levels.spot(n, point);
         let look = reader.look(spot.key)?;
         let steep = |normal| steepened(normal, up, self.ground.exaggeration);
         Ok((look.colour(&spot), look.normal(&spot).map(steep)))

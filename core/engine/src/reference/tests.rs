@@ -17,7 +17,8 @@ use super::*;
 fn hits(field: &Formula, stage: &Stage, settings: &ReferenceSettings) -> Vec<(DVec3, f64)> {
     let task_cancel = Cancel::default();
     let task = Task::quiet(&task_cancel);
-    let depths = distances(field, stage, settings, &task).expect("formulas do not fail");
+    let depths =
+        distances((field, &Kept::default()), stage, settings, &task).expect("formulas do not fail");
     let view = View::new(&stage.camera, &stage.planet, settings.size_px);
     let raster = raster(settings);
     let columns = settings.size_px[0] as usize;
@@ -222,7 +223,7 @@ fn a_picture_is_the_same_for_any_number_of_threads_and_any_memory() {
     let field = Formula::hills(16);
     let stage = stage(camera((7.3, 46.1), 2e3, 30.0, -15.0));
     let cancel = Cancel::default();
-    let draw = |threads, memory| {
+    let draw_on = |kept: &Kept, threads, memory| {
         let settings = ReferenceSettings {
             threads,
             memory,
@@ -231,14 +232,25 @@ fn a_picture_is_the_same_for_any_number_of_threads_and_any_memory() {
             ..settings([32, 18])
         };
         let raster = raster(&settings);
-        picture(&field, &stage, &settings, &raster, &Task::quiet(&cancel)).expect("formulas")
+        picture(
+            (&field, kept),
+            &stage,
+            &settings,
+            &raster,
+            &Task::quiet(&cancel),
+        )
+        .expect("formulas")
     };
+    let draw = |threads, memory| draw_on(&Kept::default(), threads, memory);
     let one = draw(1, 1 << 28);
     assert!(
         one.iter().any(|p| p[0] != one[0][0]),
         "the picture shows something"
     );
     assert!(one == draw(4, 1 << 28) && one == draw(3, 4 << 20));
+    // Nor does it matter what another picture kept.
+    let kept = Kept::default();
+    assert!(one == draw_on(&kept, 2, 1 << 28) && one == draw_on(&kept, 1, 1 << 28));
 }
 
 #[test]
@@ -248,7 +260,7 @@ fn a_cancelled_picture_is_an_error() {
     let stage = stage(camera((7.3, 46.1), 2e3, 30.0, -15.0));
     let settings = settings([8, 8]);
     let made = distances(
-        &Formula::hills(16),
+        (&Formula::hills(16), &Kept::default()),
         &stage,
         &settings,
         &Task::quiet(&cancel),
@@ -268,8 +280,9 @@ fn an_exaggerated_scene_is_the_scene_of_exaggerated_heights() {
     };
     let hills = Formula::hills(16);
     let high = Formula::hills(16).times(2.0);
-    let a = distances(&hills, &twice, &settings, &task).expect("formulas");
-    let b = distances(&high, &stage(camera), &settings, &task).expect("formulas");
+    let a = distances((&hills, &Kept::default()), &twice, &settings, &task).expect("formulas");
+    let b =
+        distances((&high, &Kept::default()), &stage(camera), &settings, &task).expect("formulas");
     for (a, b) in a.iter().zip(&b) {
         assert!((a - b).abs() <= 1e-6 * a || a == b, "{a} {b}");
     }
@@ -282,7 +295,12 @@ fn ground_that_is_shown_too_high_is_as_far_off_as_it_is_too_high() {
     let stage = stage(camera((7.3, 46.1), 3e3, 30.0, -35.0));
     let settings = settings([16, 12]);
     let shown = |height_m: f64| -> Vec<f32> {
-        let made = distances(&Formula::level(height_m), &stage, &settings, &task);
+        let made = distances(
+            (&Formula::level(height_m), &Kept::default()),
+            &stage,
+            &settings,
+            &task,
+        );
         made.expect("formulas")
             .into_iter()
             .map(|d| d as f32)
@@ -290,7 +308,7 @@ fn ground_that_is_shown_too_high_is_as_far_off_as_it_is_too_high() {
     };
     let off = |height_m: f64| {
         let made = offsets(
-            &Formula::level(100.0),
+            (&Formula::level(100.0), &Kept::default()),
             &stage,
             &settings,
             &shown(height_m),

@@ -1,8 +1,8 @@
 //! Grounds from formulas, and what looks at them.
 
 use glam::{DVec3, I64Vec2};
-use relievo_planet::Camera;
-use relievo_raster::Bands;
+use relievo_planet::{Camera, Grid};
+use relievo_raster::{Bands, Cancel};
 
 use super::*;
 

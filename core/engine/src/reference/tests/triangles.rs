@@ -60,7 +60,7 @@ fn marching_and_exact_intersections_with_triangles_agree_ever_better_with_finer_
             samples_per_pixel: 128.0,
             ..settings([8, 8])
         };
-        let columns = Levels::spot(finest, place).key.level;
+        let columns = Levels::new(RADIUS_M, finest).spot(finest, place).key.level;
         let triangles = triangles(&field, columns, place, cells);
         let found = hits(&field, &stage, &settings);
         let mut worst = 0.0_f64;
