@@ -257,6 +257,7 @@ pub fn scene(bytes: &[u8]) {
     let view = View {
         camera: project.camera.to_camera(),
         viewport_px: [64, 48],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: project.quality.texel_px,
         height_texel_px: 2.0 * project.quality.texel_px,

@@ -32,6 +32,7 @@ mod on_device {
         engine.set_view(View {
             camera,
             viewport_px: [WIDTH, HEIGHT],
+            layout: quality.layout,
             colour_window: quality.colour_window,
             colour_texel_px: 1.0,
             height_texel_px: 2.0,

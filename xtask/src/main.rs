@@ -7,6 +7,7 @@
 mod bench;
 mod packages;
 mod setup;
+mod sizes;
 mod summary;
 mod tasks;
 
@@ -24,6 +25,8 @@ Tasks:
                      --no-gpu leaves out those that need a Vulkan, Metal or DirectX device
   bench              time the pixel kernels, and what GDAL and OpenCV take for the same work
                      where they are installed for python3
+  sizes [--csv]      build the program with all features and with fewer, in release, and print
+                     what each costs: bytes, and milliseconds to start and to draw
   ci                 formatting, clippy and documentation, warnings denied
   help               print this
 ";
@@ -34,6 +37,7 @@ enum Task {
     Studio { arguments: Vec<String> },
     Test { gpu: bool },
     Bench,
+    Sizes { format: sizes::Format },
     Ci,
     Help,
 }
@@ -63,6 +67,18 @@ fn parse(arguments: &[String]) -> Result<Task, String> {
             "`bench` takes no options, found {}",
             rest.join(" ")
         )),
+        "sizes" => match rest {
+            [] => Ok(Task::Sizes {
+                format: sizes::Format::Markdown,
+            }),
+            [only] if only == "--csv" => Ok(Task::Sizes {
+                format: sizes::Format::Csv,
+            }),
+            other => Err(format!(
+                "`sizes` takes only --csv, found {}",
+                other.join(" ")
+            )),
+        },
         "ci" if rest.is_empty() => Ok(Task::Ci),
         "ci" => Err(format!("`ci` takes no options, found {}", rest.join(" "))),
         "help" | "--help" | "-h" => Ok(Task::Help),
@@ -76,6 +92,7 @@ fn main() -> ExitCode {
         Ok(Task::Studio { arguments }) => tasks::studio(&arguments),
         Ok(Task::Test { gpu }) => tasks::test(gpu),
         Ok(Task::Bench) => tasks::bench(),
+        Ok(Task::Sizes { format }) => tasks::sizes(format),
         Ok(Task::Ci) => tasks::ci(),
         Ok(Task::Help) => {
             eprint!("{USAGE}");
@@ -129,6 +146,7 @@ mod tests {
     fn a_mistyped_task_or_option_is_named() {
         assert!(parsed("tset").unwrap_err().contains("tset"));
         assert!(parsed("test --no-gup").unwrap_err().contains("--no-gup"));
+        assert!(parsed("sizes --cvs").unwrap_err().contains("--cvs"));
         assert!(parsed("ci --fast").unwrap_err().contains("--fast"));
     }
 

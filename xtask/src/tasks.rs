@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::packages::Display;
-use crate::{bench, setup, summary};
+use crate::{bench, setup, sizes, summary};
 
 /// Crates of `core/`, which are tested first and alone, without any GPU or window crate.
 const CORE: [&str; 9] = [
@@ -181,7 +181,13 @@ pub(crate) fn bench() -> Result<()> {
     bench::bench(cargo()?, &root()?)
 }
 
-/// Formatting, clippy and documentation, warnings denied; and readers without what can be left out.
+/// Builds the program with more and fewer features and prints what each costs.
+pub(crate) fn sizes(format: sizes::Format) -> Result<()> {
+    setup::ensure(true, Display::None)?;
+    sizes::sizes(cargo, &root()?, format)
+}
+
+/// Formatting, clippy and documentation, warnings denied; and crates without what can be left out.
 pub(crate) fn ci() -> Result<()> {
     setup::ensure(false, Display::None)?;
     succeed(cargo()?.args(["fmt", "--all", "--check"]))?;
@@ -194,7 +200,12 @@ pub(crate) fn ci() -> Result<()> {
         "warnings",
     ]))?;
     // Each alone: together they would switch each other's features on.
-    for package in ["relievo-raster", "relievo-vector", "relievo-engine"] {
+    for package in [
+        "relievo-raster",
+        "relievo-vector",
+        "relievo-engine",
+        "relievo",
+    ] {
         succeed(cargo()?.args(["check", "--package", package, "--no-default-features"]))?;
     }
     let mut doc = cargo()?;

@@ -88,6 +88,24 @@ pub struct Curve {
     pub joined: bool,
 }
 
+impl Curve {
+    /// Joined curves of points, each with its curve's name: in the order in which names first come.
+    pub fn grouped(points: impl IntoIterator<Item = (String, Point)>) -> Vec<Self> {
+        let mut curves: Vec<Self> = Vec::new();
+        for (name, point) in points {
+            match curves.iter_mut().find(|curve| curve.name == name) {
+                Some(curve) => curve.points.push(point),
+                None => curves.push(Self {
+                    name,
+                    points: vec![point],
+                    joined: true,
+                }),
+            }
+        }
+        curves
+    }
+}
+
 /// Curves on two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {

@@ -108,6 +108,7 @@ pub(crate) fn view(engine: &Engine, camera: Camera, size_px: [u32; 2], quality: 
     View {
         camera,
         viewport_px: size_px,
+        layout: quality.layout,
         colour_window: quality.colour_window,
         colour_texel_px: texel_px,
         height_texel_px: 2.0 * texel_px,

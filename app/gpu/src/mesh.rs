@@ -73,7 +73,8 @@ impl MeshBuffers {
     /// # Errors
     /// If its steps cannot be cut into sectors.
     pub fn new(device: &wgpu::Device, quality: &Quality) -> Result<Self, MeshStepsError> {
-        let mesh = RingMesh::new(quality.azimuth_steps, quality.radial_steps)?;
+        let mesh =
+            RingMesh::new(quality.azimuth_steps, quality.radial_steps)?.with_layout(quality.layout);
         let mut vertices: Vec<RingVertexData> = Vec::new();
         for ring in 0..=NARROWEST_RING {
             push(&mut vertices, &mesh.ring_vertices(ring), ring);

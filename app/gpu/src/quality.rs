@@ -1,5 +1,7 @@
 //! How much is spent on a picture, decided by the adapter unless the user decides.
 
+use relievo_engine::planet::clipmap::Layout;
+
 /// How fast an adapter is, roughly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum AdapterClass {
@@ -31,8 +33,8 @@ impl AdapterClass {
 /// What the front-end itself decides; window sizes are hints to whoever plans the levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Quality {
-    /// N of the height windows in samples: a power of two, at least 256.
-    pub height_window: u32,
+    /// How levels lie around the focus: the mesh blends its heights so.
+    pub layout: Layout,
     /// N of the colour and normal windows in samples: a power of two, at least 256.
     pub colour_window: u32,
     /// Vertices around a ring: a multiple of the number of sectors.
@@ -52,7 +54,7 @@ impl Quality {
     pub const fn for_adapter(class: AdapterClass) -> Self {
         match class {
             AdapterClass::Software => Self {
-                height_window: 256,
+                layout: Layout::STANDARD,
                 colour_window: 1024,
                 azimuth_steps: 192,
                 radial_steps: 20,
@@ -60,7 +62,7 @@ impl Quality {
                 blends_levels: false,
             },
             AdapterClass::Integrated => Self {
-                height_window: 256,
+                layout: Layout::STANDARD,
                 colour_window: 2048,
                 azimuth_steps: 384,
                 radial_steps: 32,
@@ -68,7 +70,7 @@ impl Quality {
                 blends_levels: true,
             },
             AdapterClass::Discrete => Self {
-                height_window: 256,
+                layout: Layout::STANDARD,
                 colour_window: 4096,
                 azimuth_steps: 512,
                 radial_steps: 40,

@@ -191,17 +191,12 @@ fn carry_out(
     command: Option<Command>,
     context: &mut Context,
 ) -> Result<(), Failure> {
-    let (threads, cancel) = (context.threads, context.cancel);
     match (project, command) {
         (Some(project), Some(_)) => Err(Failure::Input(format!(
             "expected a project or a command, found both: {}",
             project.display()
         ))),
-        (project, None) => crate::window::open(project, threads, context.cache.clone(), cancel)
-            .map_err(|failed| match failed {
-                crate::window::OpenWindowError::Project(line) => Failure::Input(line),
-                crate::window::OpenWindowError::System(line) => Failure::System(line),
-            }),
+        (project, None) => open_window(project, context),
         (None, Some(Command::Render(a))) => render::run(&a, context),
         (None, Some(Command::Bake(a))) => bake::run(&a, context),
         (None, Some(Command::Sample(a))) => sample::run(&a, context),
@@ -219,6 +214,22 @@ fn carry_out(
         (None, Some(Command::Report(a))) => report::run(&a, context),
         (None, Some(Command::Schema(a))) => schema::run(&a, context),
     }
+}
+
+#[cfg(feature = "window")]
+fn open_window(project: Option<PathBuf>, context: &Context) -> Result<(), Failure> {
+    use crate::window::{OpenWindowError, open};
+    let cache = context.cache.clone();
+    open(project, context.threads, cache, context.cancel).map_err(|failed| match failed {
+        OpenWindowError::Project(line) => Failure::Input(line),
+        OpenWindowError::System(line) => Failure::System(line),
+    })
+}
+
+#[cfg(not(feature = "window"))]
+fn open_window(_project: Option<PathBuf>, _context: &Context) -> Result<(), Failure> {
+    let line = "expected a command, found none: this program was built without the studio's window";
+    Err(Failure::Input(line.to_owned()))
 }
 
 /// What is wrong with the arguments, in one line.

@@ -4,8 +4,10 @@
 //! makes a tile and never waits for one. Absent: geometry, kernels, GPU code.
 
 pub mod cli;
+#[cfg(feature = "window")]
 pub mod commands;
 mod coverage;
 mod picture;
 mod report;
+#[cfg(feature = "window")]
 pub mod window;

@@ -77,6 +77,7 @@ pub(crate) fn view(
     View {
         camera,
         viewport_px,
+        layout: quality.layout,
         colour_window: quality.colour_window,
         colour_texel_px: settings.texel_px,
         height_texel_px: settings.texel_px * HEIGHT_TEXEL_FACTOR,

@@ -11,7 +11,8 @@ use relievo_engine::analysis::{
 };
 use relievo_engine::export::contour_features;
 use relievo_engine::project::resolve_path;
-use relievo_engine::vector::write::{write_geojson, write_geopackage};
+use relievo_engine::vector::VectorError;
+use relievo_engine::vector::write::{Feature, write_geojson};
 
 pub(crate) use html::grouped;
 pub(crate) use table::QUANTITIES;
@@ -74,16 +75,29 @@ pub(crate) fn text(
 /// # Errors
 /// One line.
 pub(crate) fn write_contours(file: &Path, lines: &[ContourLine]) -> Result<(), String> {
-    let features = contour_features(lines);
-    let is_package = file
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("gpkg"));
-    let written = if is_package {
-        write_geopackage(file, "contours", &features)
-    } else {
-        write_geojson(file, &features)
-    };
+    let written = write_features(file, "contours", &contour_features(lines));
     written.map_err(|error| error.to_string())
+}
+
+/// Writes features as GeoJSON, or as a table of a GeoPackage where the file's name ends so.
+///
+/// # Errors
+/// [`VectorError`] when the system refuses.
+pub(crate) fn write_features(
+    file: &Path,
+    table: &str,
+    features: &[Feature],
+) -> Result<(), VectorError> {
+    #[cfg(feature = "readers")]
+    if file
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("gpkg"))
+    {
+        return relievo_engine::vector::write::write_geopackage(file, table, features);
+    }
+    #[cfg(not(feature = "readers"))]
+    let _geojson_has_no_tables = table;
+    write_geojson(file, features)
 }
 
 /// Refuses, in one line, to write where something is read: `inputs` and the project's sources.

@@ -252,6 +252,7 @@ fn main() {
             let view = View {
                 camera: Camera::from_degrees(0.0, 0.0, altitude_m, 0.0, -90.0, FOV_DEG).unwrap(),
                 viewport_px: [1280, 960],
+                layout: relievo_engine::Layout::STANDARD,
                 colour_window: window,
                 colour_texel_px: texel_px,
                 height_texel_px: if sharp { 2.0 } else { 2.0 * texel_px },

@@ -97,6 +97,7 @@ fn engine() -> Engine {
     engine.set_view(View {
         camera: Camera::from_degrees(LON, LAT, 1200.0, 30.0, -50.0, 60.0).unwrap(),
         viewport_px: [1280, 960],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 1024,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

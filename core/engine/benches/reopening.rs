@@ -31,6 +31,7 @@ fn open(project: &Path, cache: Option<PathBuf>) -> Times {
     engine.set_view(View {
         camera,
         viewport_px: [1280, 960],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 1024,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

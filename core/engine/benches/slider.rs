@@ -90,6 +90,7 @@ fn main() {
             engine.set_view(View {
                 camera: Camera::from_degrees(lon, lat, altitude_m, heading, pitch, 60.0).unwrap(),
                 viewport_px: [1280, 960],
+                layout: relievo_engine::Layout::STANDARD,
                 colour_window: 1024,
                 colour_texel_px: 1.0,
                 height_texel_px: 2.0,

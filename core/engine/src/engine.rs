@@ -55,9 +55,6 @@ use crate::sources::Sources;
 use crate::terrain::{self, Bounds};
 use crate::view::View;
 
-/// Side of the height windows in samples: a tile, which holds the whole circle near a pole.
-const HEIGHT_WINDOW: u32 = 256;
-
 /// Copies into textures in one frame, so that a burst of finished tiles does not make one frame long.
 const UPLOADS_PER_FRAME: usize = 96;
 

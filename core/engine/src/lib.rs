@@ -45,6 +45,7 @@ pub use masses::{MassMesh, MassVertex};
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};
 pub use reference::{Confirmation, Offset, Reference, ReferencePicture, ReferenceSettings};
+pub use relievo_planet::clipmap::Layout;
 pub use sampling::Stage;
 pub use scenarios::as_shown;
 pub use sources::{SourceState, Sources};

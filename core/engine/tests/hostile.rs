@@ -114,6 +114,7 @@ fn a_file_that_shrinks_while_it_is_shown_fails_its_tiles_and_nothing_else() {
     engine.set_view(View {
         camera: Camera::from_degrees(11.0, 41.0, 1e5, 0.0, -90.0, 60.0).expect("a camera"),
         viewport_px: [160, 120],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

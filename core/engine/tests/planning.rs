@@ -64,6 +64,7 @@ fn engine() -> Engine {
     engine.set_view(View {
         camera,
         viewport_px: [320, 240],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

@@ -117,6 +117,7 @@ fn view() -> View {
     View {
         camera: Camera::from_degrees(LON, LAT, 1500.0, 0.0, -60.0, 60.0).unwrap(),
         viewport_px: [320, 240],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

@@ -95,6 +95,7 @@ fn converge(engine: &mut Engine, altitude_m: f64) {
     engine.set_view(View {
         camera: Camera::from_degrees(5.0, 45.0, altitude_m, 0.0, -70.0, 60.0).unwrap(),
         viewport_px: [320, 240],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

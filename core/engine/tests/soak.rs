@@ -142,6 +142,7 @@ fn view(random: &mut Random) -> View {
     View {
         camera: camera.unwrap(),
         viewport_px: [240, 180],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

@@ -182,6 +182,7 @@ fn view(lon_deg: f64, altitude_m: f64) -> View {
     View {
         camera: Camera::from_degrees(lon_deg, 0.0, altitude_m, 0.0, -90.0, 60.0).unwrap(),
         viewport_px: [200, 160],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: 1.0,
         height_texel_px: 2.0,

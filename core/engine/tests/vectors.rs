@@ -80,6 +80,7 @@ fn view(lon_deg: f64) -> View {
     View {
         camera,
         viewport_px: [400, 300],
+        layout: relievo_engine::Layout::STANDARD,
         colour_window: 256,
         colour_texel_px: 2.0,
         height_texel_px: 4.0,

@@ -23,8 +23,9 @@ pub mod view;
 pub mod window;
 
 pub use choose::{LevelChoice, LevelView, colour_level_for, height_level_for};
+pub use focus::FocusRule;
 pub use plan::{
-    ClipKind, HeightRange, LevelPlan, Plan, PlanInput, Quality, RingSectors, TerrainBounds,
+    ClipKind, HeightRange, Layout, LevelPlan, Plan, PlanInput, Quality, RingSectors, TerrainBounds,
 };
 pub use planner::Planner;
 pub use rings::{RingMesh, RingVertex};

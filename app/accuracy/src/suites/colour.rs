@@ -1,8 +1,9 @@
-//! The clipmaps' pictures against the reference, for windows and taps.
+//! The clipmaps' pictures against the reference, for windows, taps and rules of the focus.
 
 use core::cell::RefCell;
 
-use relievo_engine::ReferencePicture;
+use relievo_engine::planet::clipmap::FocusRule;
+use relievo_engine::{Layout, ReferencePicture};
 use relievo_gpu::{AdapterClass, Gpu, Quality, Still};
 
 use crate::metric::{Lab, PictureError, Seen, ciede2000, from_rgba8};
@@ -16,7 +17,7 @@ use crate::{
 /// The suite.
 pub const SUITE: Suite = Suite {
     name: "colour",
-    sentence: "The picture of the clipmaps against the reference renderer: colour differences, noise and structure, by window and taps.",
+    sentence: "The picture of the clipmaps against the reference renderer: colour differences, noise and structure, by window, taps and where the focus lies.",
     run,
 };
 
@@ -28,11 +29,16 @@ const MAP_DE: f64 = 10.0;
 struct Setting {
     window: u32,
     taps: u32,
+    focus: FocusRule,
 }
 
 impl Setting {
     fn quality(self, gpu: &Gpu) -> Quality {
         Quality {
+            layout: Layout {
+                focus: self.focus,
+                ..Layout::STANDARD
+            },
             colour_window: self.window,
             max_taps: self.taps,
             ..standard(gpu)
@@ -41,6 +47,11 @@ impl Setting {
 
     fn name(self) -> String {
         format!("N {}, {} taps", self.window, self.taps)
+    }
+
+    /// Whether the focus lies where it does by default.
+    fn has_own_focus(self) -> bool {
+        self.focus == Layout::STANDARD.focus
     }
 }
 
@@ -63,12 +74,35 @@ fn settings(context: &Context, gpu: &Gpu) -> Vec<Setting> {
     } else {
         &[1, 2, 4, 8, 16]
     };
-    let pairs = windows
-        .iter()
-        .flat_map(|window| taps.iter().map(move |taps| (*window, *taps)));
-    pairs
-        .map(|(window, taps)| Setting { window, taps })
-        .collect()
+    let of = |window: u32, taps: u32, focus: FocusRule| Setting {
+        window,
+        taps,
+        focus,
+    };
+    let pairs = windows.iter().flat_map(|window| {
+        let own = Layout::STANDARD.focus;
+        taps.iter().map(move |taps| of(*window, *taps, own))
+    });
+    let others = FocusRule::ALL
+        .into_iter()
+        .filter(|focus| *focus != Layout::STANDARD.focus);
+    let foci = others.flat_map(|focus| {
+        let least = windows.iter().take(context.pick(1, windows.len()));
+        least.map(move |window| of(*window, FOCUS_TAPS, focus))
+    });
+    // The picture that is shown is the last one's: the focus of pictures, the best window.
+    foci.chain(pairs).collect()
+}
+
+/// Taps with which rules of the focus are compared.
+const FOCUS_TAPS: u32 = 8;
+
+fn focus_name(focus: FocusRule) -> &'static str {
+    match focus {
+        FocusRule::Nadir => "below the eye, [CH06]",
+        FocusRule::Ahead => "ahead, at most three heights",
+        FocusRule::Centre => "at the picture's middle",
+    }
 }
 
 fn run(context: &Context) -> Result<Report, SuiteError> {
@@ -79,9 +113,9 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
     let mut engine = open(context)?;
     let shots = shots(&engine, context)?;
     let settings = settings(context, gpu);
-    let size_px = context.pick([48, 36], [640, 480]);
+    let size_px = context.pick([48, 36], [480, 320]);
     let mut report = Report::default();
-    let mut rows = Vec::new();
+    let (mut rows, mut foci) = (Vec::new(), Vec::new());
     let (each, steps) = (settings.len() + 1, shots.len() * (settings.len() + 1));
     for (index, shot) in shots.iter().enumerate() {
         context.step(index * each, steps)?;
@@ -96,6 +130,8 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
         }
         let measured = measure(context, gpu, &settings, &mut stills, &reference)?;
         report.figures.push(trade(shot, index, &measured));
+        report.figures.push(by_focus(shot, index, &measured));
+        foci.extend(focus_rows(shot, &measured));
         let seen = pictures(shot, index, &reference, &settings, &stills)?;
         report.figures.push(seen);
         let means = measured.iter().map(|m| m.error.mean_de);
@@ -106,9 +142,11 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
             means.fold(f64::INFINITY, f64::min),
             confirmed.mean
         ));
-        rows.extend(measured.iter().map(|m| row(shot, m, confirmed.mean)));
+        let own = measured.iter().filter(|m| m.setting.has_own_focus());
+        rows.extend(own.map(|m| row(shot, m, confirmed.mean)));
     }
     report.figures.push(table(rows));
+    report.figures.push(focus_table(foci));
     Ok(report)
 }
 
@@ -192,20 +230,13 @@ pub(super) fn shown(still: &Still) -> Result<Vec<[f32; 3]>, SuiteError> {
 }
 
 fn trade(shot: &Shot, index: usize, measured: &[Measured]) -> Figure {
-    let mut curves: Vec<Curve> = Vec::new();
-    for m in measured {
-        let name = format!("N {}", m.setting.window);
+    let own = measured.iter().filter(|m| m.setting.has_own_focus());
+    let points = own.map(|m| {
         let setting = format!("{} taps", m.setting.taps);
         let point = Point::timed(setting, m.frame_ms, m.error.mean_de);
-        match curves.iter_mut().find(|curve| curve.name == name) {
-            Some(curve) => curve.points.push(point),
-            None => curves.push(Curve {
-                name,
-                points: vec![point],
-                joined: true,
-            }),
-        }
-    }
+        (format!("N {}", m.setting.window), point)
+    });
+    let curves = Curve::grouped(points);
     let chart = Chart::trade("ms per frame", "mean colour difference", "ΔE00", curves);
     Figure::new(
         format!("trade-{}", index + 1),
@@ -214,6 +245,63 @@ fn trade(shot: &Shot, index: usize, measured: &[Measured]) -> Figure {
          quarter of a pixel), for windows of N samples a side and taps along a footprint. A frame's time \
          includes waiting for the device.",
         Content::Chart(chart),
+    )
+}
+
+/// Those with as many taps as rules of the focus are compared with.
+fn compared(measured: &[Measured]) -> impl Iterator<Item = &Measured> {
+    measured.iter().filter(|m| m.setting.taps == FOCUS_TAPS)
+}
+
+fn by_focus(shot: &Shot, index: usize, measured: &[Measured]) -> Figure {
+    let points = compared(measured).map(|m| {
+        let setting = format!("N {}", m.setting.window);
+        let point = Point::timed(setting, m.frame_ms, m.error.mean_de);
+        (focus_name(m.setting.focus).to_owned(), point)
+    });
+    let curves = Curve::grouped(points);
+    let chart = Chart::trade("ms per frame", "mean colour difference", "ΔE00", curves);
+    Figure::new(
+        format!("focus-{}", index + 1),
+        format!("Where the focus of the clipmaps lies: {}", shot.name),
+        format!(
+            "Mean CIEDE2000 against the reference with {FOCUS_TAPS} taps, for windows of N samples a side."
+        ),
+        Content::Chart(chart),
+    )
+}
+
+fn focus_rows(shot: &Shot, measured: &[Measured]) -> Vec<Vec<Cell>> {
+    let row = |m: &Measured| -> Vec<Cell> {
+        vec![
+            shot.name.into(),
+            focus_name(m.setting.focus).into(),
+            f64::from(m.setting.window).into(),
+            m.frame_ms.median.into(),
+            m.error.mean_de.into(),
+            m.error.p99_de.into(),
+        ]
+    };
+    compared(measured).map(row).collect()
+}
+
+fn focus_table(rows: Vec<Vec<Cell>>) -> Figure {
+    let head = [
+        "view",
+        "focus",
+        "window N, samples",
+        "frame, ms",
+        "mean ΔE00",
+        "p99 ΔE00",
+    ];
+    Figure::new(
+        "focus-table",
+        "Rules of the focus",
+        format!("With {FOCUS_TAPS} taps."),
+        Content::Table(Table {
+            head: head.map(str::to_owned).to_vec(),
+            rows,
+        }),
     )
 }
 

@@ -1,15 +1,18 @@
 //! Where the clipmaps' ground is on the screen against where it should be.
 //!
 //! The errors of \[Liv07\] 6.1: the screen-space error (a height's difference, projected) and the
-//! distortion (a Hausdorff distance, here from the picture's pixels to the mesh's vertices); and how far
-//! heights swim when the focus moves by a texel.
+//! distortion (a Hausdorff distance); and how far heights swim when the focus moves by a texel.
 
 mod distortion;
+mod layouts;
+mod livny;
 mod paths;
 mod swimming;
 
+use core::cell::OnceCell;
+
 use relievo_engine::analysis::Task;
-use relievo_engine::{Engine, Offset};
+use relievo_engine::{Engine, Layout, Offset, Reference};
 use relievo_gpu::{Gpu, Quality, Still};
 
 use super::colour::{frame_times, without};
@@ -17,12 +20,13 @@ use crate::scene::{failed, open, settings, standard, still, view};
 use crate::{
     Cell, Chart, Content, Context, Curve, Figure, Point, Report, Spread, Suite, SuiteError, Table,
 };
-use paths::{Path, angles_deg};
+use distortion::Distortion;
+use paths::Path;
 
 /// The suite.
 pub const SUITE: Suite = Suite {
     name: "geometry",
-    sentence: "The ground on the screen against the reference: screen-space error, distortion and swimming, by mesh and size of a height sample.",
+    sentence: "The ground on the screen against the reference: screen-space error, distortion and swimming, by mesh, size of a height sample, windows and width of their blend.",
     run,
 };
 
@@ -33,6 +37,8 @@ pub(crate) struct Setting {
     steps: [u32; 2],
     /// Smallest size of a height sample on the screen, pixels.
     texel_px: f64,
+    /// Windows and blends of heights.
+    layout: Layout,
 }
 
 impl Setting {
@@ -40,6 +46,7 @@ impl Setting {
     const STANDARD: Self = Self {
         steps: [512, 40],
         texel_px: 2.0,
+        layout: Layout::STANDARD,
     };
 
     fn name(self) -> String {
@@ -48,6 +55,7 @@ impl Setting {
 
     fn quality(self, gpu: &Gpu) -> Quality {
         Quality {
+            layout: self.layout,
             azimuth_steps: self.steps[0],
             radial_steps: self.steps[1],
             // Colours are not measured.
@@ -85,6 +93,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) context: &'a Context<'a>,
     pub(crate) gpu: &'a Gpu,
     pub(crate) size_px: [u32; 2],
+    /// The truth that has been looked at first: others share its samples of the ground.
+    pub(crate) truth: OnceCell<Reference>,
 }
 
 impl Bench<'_> {
@@ -111,8 +121,10 @@ impl Bench<'_> {
         let shown = shown.map_err(|error| SuiteError::System(error.to_string()))?;
         let settings = settings(self.size_px, self.context);
         let task = Task::quiet(&self.context.cancel);
-        engine
-            .reference(still.frame.camera)
+        let truth = engine.reference(still.frame.camera);
+        let first = self.truth.get_or_init(|| truth.clone());
+        truth
+            .sharing(first)
             .offsets(&settings, &shown, &task)
             .map_err(|error| failed(&error))
     }
@@ -122,7 +134,7 @@ impl Bench<'_> {
 struct Measured {
     setting: Setting,
     errors: Errors,
-    distortion_px: f64,
+    distortion: Distortion,
     triangles: f64,
     frame_ms: Spread,
 }
@@ -131,14 +143,7 @@ fn settings_of(context: &Context) -> Vec<Setting> {
     let meshes: &[[u32; 2]] = if context.quick {
         &[[64, 8], [512, 40]]
     } else {
-        &[
-            [64, 8],
-            [128, 16],
-            [192, 20],
-            [384, 32],
-            [512, 40],
-            [1024, 80],
-        ]
+        &[[64, 8], [128, 16], [192, 20], [512, 40], [1024, 80]]
     };
     let texels: &[f64] = if context.quick {
         &[2.0]
@@ -150,6 +155,7 @@ fn settings_of(context: &Context) -> Vec<Setting> {
         meshes.iter().map(move |steps| Setting {
             steps: *steps,
             texel_px,
+            ..Setting::STANDARD
         })
     };
     texels.iter().flat_map(of).collect()
@@ -164,23 +170,37 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
         context,
         gpu,
         size_px: context.pick([64, 48], [640, 480]),
+        truth: OnceCell::new(),
     };
     let mut engine = open(context)?;
     let paths = Path::find(&engine, context)?;
     let settings = settings_of(context);
     let mut report = Report::default();
     let mut rows = Vec::new();
+    let mut meshes = Vec::new();
     let steps = paths.len() * (settings.len() + 2);
     for (index, path) in paths.iter().enumerate() {
-        let done = index * (settings.len() + 2);
+        let done = index * settings.len();
         let measured = by_setting(&bench, &mut engine, path, &settings, [done, steps])?;
         report.figures.push(trade(path, &measured));
         report.summary.push(best(path, &measured));
         rows.extend(measured.iter().map(|m| row(path, m)));
+        meshes.extend(livny::mesh_rows(path, &measured));
     }
-    context.step(steps - 1, steps)?;
+    let mut done = paths.len() * settings.len();
     report.figures.push(table(rows));
-    report.figures.push(by_angle(&bench, &mut engine, &paths)?);
+    report.figures.push(livny::by_mesh(&bench, meshes));
+    for path in &paths {
+        context.step(done, steps)?;
+        done += 1;
+        let figures = layouts::figures(&bench, &mut engine, path)?;
+        report.figures.extend(figures);
+    }
+    context.step(done, steps)?;
+    report
+        .figures
+        .push(livny::by_angle(&bench, &mut engine, &paths)?);
+    context.step(done + 1, steps)?;
     report
         .figures
         .push(swimming::figure(&bench, &mut engine, &paths)?);
@@ -199,16 +219,16 @@ fn by_setting(
     let (mut errors, mut distortions, mut last) = (Vec::new(), Vec::new(), Vec::new());
     for (i, setting) in settings.iter().enumerate() {
         bench.context.step(done + i, steps)?;
-        let (mut all, mut distortion_px) = (Vec::new(), 0.0_f64);
+        let (mut all, mut distortion) = (Vec::new(), Distortion::default());
         let mut drawn = None;
         for camera in &cameras {
             let still = bench.draw(engine, *camera, *setting)?;
             all.extend(bench.offsets(engine, &still)?);
-            distortion_px = distortion_px.max(distortion::farthest_px(&still)?);
+            distortion = distortion.max(Distortion::of(&still)?);
             drawn = Some(still);
         }
         errors.push(Errors::of(all.iter().map(|o| o.screen_px)));
-        distortions.push(distortion_px);
+        distortions.push(distortion);
         last.extend(drawn);
     }
     let times = frame_times(bench.context, bench.gpu, &mut last)?;
@@ -219,10 +239,10 @@ fn by_setting(
         .zip(last.iter().zip(times));
     Ok(measured
         .map(
-            |(((setting, errors), distortion_px), (still, frame_ms))| Measured {
+            |(((setting, errors), distortion), (still, frame_ms))| Measured {
                 setting: *setting,
                 errors,
-                distortion_px,
+                distortion,
                 triangles: still.drawn.triangles as f64,
                 frame_ms,
             },
@@ -231,19 +251,10 @@ fn by_setting(
 }
 
 fn trade(path: &Path, measured: &[Measured]) -> Figure {
-    let mut curves: Vec<Curve> = Vec::new();
-    for m in measured {
-        let name = format!("height sample {} px", m.setting.texel_px);
+    let curves = Curve::grouped(measured.iter().map(|m| {
         let point = Point::timed(m.setting.name(), m.frame_ms, m.errors.mean);
-        match curves.iter_mut().find(|curve| curve.name == name) {
-            Some(curve) => curve.points.push(point),
-            None => curves.push(Curve {
-                name,
-                points: vec![point],
-                joined: true,
-            }),
-        }
-    }
+        (format!("height sample {} px", m.setting.texel_px), point)
+    }));
     let chart = Chart::trade("ms per frame", "mean screen-space error", "px", curves);
     Figure::new(
         format!("trade-{}", path.name),
@@ -278,7 +289,9 @@ fn row(path: &Path, m: &Measured) -> Vec<Cell> {
         m.errors.mean.into(),
         m.errors.p99.into(),
         m.errors.max.into(),
-        m.distortion_px.into(),
+        m.distortion.to_vertices_px.into(),
+        m.distortion.to_pixels_px.into(),
+        m.distortion.hausdorff_px().into(),
     ]
 }
 
@@ -292,46 +305,18 @@ fn table(rows: Vec<Vec<Cell>>) -> Figure {
         "mean error, px",
         "p99 error, px",
         "max error, px",
+        "farthest pixel from a vertex, px",
+        "farthest vertex from a pixel, px",
         "distortion, px",
     ];
     Figure::new(
         "table",
         "All settings",
-        "Screen-space error over all pixels that show ground. Distortion: how far the pixel that is farthest \
-         from any vertex of the mesh is from it.",
+        "Screen-space error over all pixels that show ground. Distortion: the Hausdorff distance of the pixels \
+         that show ground and the mesh's vertices within the picture.",
         Content::Table(Table {
             head: head.map(str::to_owned).to_vec(),
             rows,
         }),
     )
-}
-
-/// The greatest errors by the angle of view, as \[Liv07\] table 6 has them.
-fn by_angle(bench: &Bench, engine: &mut Engine, paths: &[Path]) -> Result<Figure, SuiteError> {
-    let mut rows = Vec::new();
-    for angle_deg in angles_deg(bench.context) {
-        let mut row: Vec<Cell> = vec![angle_deg.into()];
-        for path in paths {
-            bench.context.go_on()?;
-            let mut all = Vec::new();
-            for camera in path.cameras(-angle_deg) {
-                let still = bench.draw(engine, camera, Setting::STANDARD)?;
-                all.extend(bench.offsets(engine, &still)?);
-            }
-            let errors = Errors::of(all.iter().map(|o| o.screen_px));
-            row.extend([errors.mean, errors.p99, errors.max].map(Cell::from));
-        }
-        rows.push(row);
-    }
-    let mut head = vec!["view angle, ° below the horizon".to_owned()];
-    for path in paths {
-        let errors = ["mean", "p99", "max"];
-        head.extend(errors.map(|e| format!("{}: {e} error, px", path.name)));
-    }
-    Ok(Figure::new(
-        "angles",
-        "Screen-space error by the angle of view",
-        "Default mesh of a graphics processor; flat and mountainous ground, as [Liv07] table 6.",
-        Content::Table(Table { head, rows }),
-    ))
 }

@@ -64,7 +64,7 @@ pub(crate) fn frame(world: &World, camera: Camera, viewport_px: [u32; 2], sun: S
         terrain: &world.range,
         exaggeration: 1.0,
         quality: PlanQuality {
-            height_samples: quality.height_window,
+            layout: quality.layout,
             colour_samples: quality.colour_window,
             ..PlanQuality::default()
         },
@@ -76,7 +76,7 @@ pub(crate) fn frame(world: &World, camera: Camera, viewport_px: [u32; 2], sun: S
         camera,
         viewport_px,
         near_m: (plan.clearance_m * 0.25).max(0.05),
-        height_window: quality.height_window,
+        height_window: quality.layout.height_window,
         colour_window: quality.colour_window,
         heights: Vec::new(),
         colours: Vec::new(),

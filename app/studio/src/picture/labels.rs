@@ -1,7 +1,8 @@
 //! Texts on a picture, with the letters of the window.
 
-use eframe::egui::epaint::text::{FontDefinitions, Fonts, TextOptions};
-use eframe::egui::{Align2, Color32, FontId, pos2, vec2};
+use epaint::emath::Align2;
+use epaint::text::{FontDefinitions, Fonts, TextOptions};
+use epaint::{Color32, FontId, pos2, vec2};
 use relievo_engine::PlacedLabel;
 use relievo_gpu::Picture;
 

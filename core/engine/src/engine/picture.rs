@@ -6,7 +6,7 @@ use glam::DVec3;
 use relievo_planet::{Camera, MapPoint};
 use relievo_project::{Body, Project};
 
-use super::{Engine, HEIGHT_WINDOW};
+use super::Engine;
 use crate::frame::{Frame, Sun, Upload};
 use crate::masses::MassMesh;
 use crate::masses::making::Bodies;
@@ -29,7 +29,7 @@ impl Engine {
             camera: view.camera,
             viewport_px: view.viewport_px,
             near_m: (plan.clearance_m * 0.25).max(0.05),
-            height_window: HEIGHT_WINDOW,
+            height_window: view.layout.height_window,
             colour_window: view.colour_window,
             heights: self.stacks.height.views(),
             colours: self.stacks.colour.views(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use relievo_planet::Planet;
 use relievo_planet::clipmap::plan::{PlanInput, Quality};
 
-use super::{Engine, HEIGHT_WINDOW};
+use super::Engine;
 use crate::frame::ClipKind;
 use crate::terrain::{self, Bounds};
 use crate::view::View;
@@ -43,7 +43,7 @@ impl Engine {
             terrain,
             exaggeration: self.exaggeration(),
             quality: Quality {
-                height_samples: HEIGHT_WINDOW,
+                layout: view.layout,
                 colour_samples: view.colour_window,
                 height_texel_px: view.height_texel_px,
                 colour_texel_px: view.colour_texel_px,
@@ -92,7 +92,7 @@ impl Engine {
         let near = self.plan.as_ref().map_or(below, |p| p.focus);
         let target = self.target();
         self.finest = (
-            target.finest_near(near, HEIGHT_WINDOW),
+            target.finest_near(near, view.layout.height_window),
             target.finest_near(near, view.colour_window),
         );
         let asked = self.plan_query(view);

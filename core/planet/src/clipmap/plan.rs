@@ -4,6 +4,7 @@ use core::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3, I64Vec2};
 
+use super::focus::FocusRule;
 use super::tile_set::TileSet;
 use super::window::Window;
 use crate::{Camera, LevelKey, MapPoint, Planet, SampleRect, TILE_SAMPLES, TileKey};
@@ -35,11 +36,44 @@ impl TerrainBounds for HeightRange {
     }
 }
 
+/// How clip levels and the mesh lie around their focus: the same for who plans and who draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Layout {
+    /// N of the height windows: a power of two, at least 256.
+    pub height_window: u32,
+    /// Width of the blend into the next coarser level of heights, of each ring's width, 1 to 100 per
+    /// cent; it ends at the ring's outer rim.
+    pub blend_percent: u32,
+    /// Where the focus lies.
+    pub focus: FocusRule,
+}
+
+impl Layout {
+    /// What pictures are drawn with.
+    pub const STANDARD: Self = Self {
+        height_window: 256,
+        blend_percent: 50,
+        focus: FocusRule::Ahead,
+    };
+
+    /// Where in a ring, as a part of its outer radius, the blend into the next coarser level begins.
+    pub fn rim_begins(&self) -> f64 {
+        // A ring reaches from half its outer radius.
+        1.0 - 0.5 * f64::from(self.blend_percent.clamp(1, 100)) / 100.0
+    }
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self::STANDARD
+    }
+}
+
 /// How much is spent on a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// N of the height windows: a power of two, at least 256.
-    pub height_samples: u32,
+    /// How levels lie around the focus.
+    pub layout: Layout,
     /// N of the colour and normal windows: a power of two, at least 256.
     pub colour_samples: u32,
     /// Smallest size of a height sample on the screen, pixels.
@@ -59,7 +93,7 @@ impl Default for Quality {
     /// For a software adapter.
     fn default() -> Self {
         Self {
-            height_samples: 256,
+            layout: Layout::default(),
             colour_samples: 1024,
             height_texel_px: 2.0,
             colour_texel_px: 1.0,

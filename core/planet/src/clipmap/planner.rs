@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::cull::Culler;
 use super::focus::focus_of;
 use super::levels::{coarsest_level, finest_level, horizon_rad, next_columns_exponent, reach_rad};
-use super::plan::{ClipKind, LevelPlan, Plan, PlanInput, RingSectors};
-use super::rings::{KAPPA, NARROWEST_RING, RIM_BEGINS, RingMesh};
+use super::plan::{ClipKind, Layout, LevelPlan, Plan, PlanInput, RingSectors};
+use super::rings::{KAPPA, NARROWEST_RING, RingMesh};
 use super::select::{Scene, align_to_tiles, drawn, view_centre};
 use super::tile_set::TileSet;
 use super::valid::{COLOUR_FILTER_MARGIN, HEIGHT_FILTER_MARGIN};
@@ -62,7 +62,12 @@ impl Planner {
             planet.radius_m + heights_range.min_m,
         );
         let nadir = MapPoint::from_direction(view.eye);
-        let focus = focus_of(&input.camera, clearance_m, ground_radius_m);
+        let focus = focus_of(
+            quality.layout.focus,
+            &input.camera,
+            clearance_m,
+            ground_radius_m,
+        );
         let centre = view_centre(&view, ground_radius_m);
         let scene = Scene {
             culler: Culler::new(view, &planet, heights_range.min_m),
@@ -108,7 +113,7 @@ impl Planner {
         };
         let mut heights = place(
             ClipKind::Heights,
-            quality.height_samples,
+            quality.layout.height_window,
             quality.height_texel_px,
             quality.finest_height_level,
         );
@@ -120,7 +125,7 @@ impl Planner {
         );
 
         let seen_rad = horizon + nadir.angle_to(focus);
-        let drawn = draw_rings(&scene, focus, seen_rad, &mut heights);
+        let drawn = draw_rings(&scene, &quality.layout, focus, seen_rad, &mut heights);
         scene.select_colours(nadir, &mut colours, COLOUR_FILTER_MARGIN);
         align_to_tiles(&mut heights);
         align_to_tiles(&mut colours);
@@ -169,6 +174,7 @@ fn place_window(before: Option<&Window>, n: u8, focus: MapPoint, size: u32) -> (
 /// Chooses the rings, culls their sectors and marks the height tiles that they read.
 fn draw_rings(
     scene: &Scene,
+    layout: &Layout,
     focus: MapPoint,
     seen_rad: f64,
     heights: &mut [LevelPlan],
@@ -191,7 +197,7 @@ fn draw_rings(
         let outer = RingMesh::outer_radius_rad(ring);
         let radii = (
             RingMesh::outer_radius_rad(ring + 1),
-            RIM_BEGINS * outer,
+            layout.rim_begins() * outer,
             outer,
         );
         let levels = (

@@ -14,6 +14,8 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
+use super::plan::Layout;
+
 /// Part of its window's half height that a ring takes.
 pub const KAPPA: f64 = 0.7;
 
@@ -22,9 +24,6 @@ pub const SECTORS: u32 = 16;
 
 /// The narrowest ring: its radius is 0.1 m on Earth.
 pub const NARROWEST_RING: u8 = 27;
-
-/// Where in a ring, as a part of its outer radius, the blend into the next coarser level begins.
-pub(super) const RIM_BEGINS: f64 = 0.75;
 
 /// One vertex of the mesh, in the focus frame of the unit sphere: +u south, +v east.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -46,6 +45,7 @@ pub struct RingMesh {
     azimuth_steps: u32,
     radial_steps: u32,
     disc_rows: Vec<u32>,
+    layout: Layout,
 }
 
 /// Triangles (three indices each, counter-clockwise seen from outside) of one part of the mesh, in
@@ -100,7 +100,14 @@ impl RingMesh {
             azimuth_steps,
             radial_steps,
             disc_rows: disc_rows(azimuth_steps, radial_steps),
+            layout: Layout::STANDARD,
         })
+    }
+
+    /// The same mesh for levels that blend otherwise.
+    #[must_use]
+    pub fn with_layout(self, layout: Layout) -> Self {
+        Self { layout, ..self }
     }
 
     /// Outer radius of a ring as a central angle: κ 2^−ring π; the inner radius is that of
@@ -112,12 +119,12 @@ impl RingMesh {
     /// Vertices of a ring, from its outer rim inwards.
     pub fn ring_vertices(&self, ring: u8) -> Vec<RingVertex> {
         let outer = Self::outer_radius_rad(ring);
-        let m = self.radial_steps;
+        let (m, begins) = (self.radial_steps, self.layout.rim_begins());
         let mut vertices = Vec::new();
         for j in 0..=m {
             // exp2(−1) is exact, so the last row is the next ring's first, bit for bit.
             let part = libm::exp2(-f64::from(j) / f64::from(m));
-            let rim = ((part - RIM_BEGINS) / (1.0 - RIM_BEGINS)).clamp(0.0, 1.0) as f32;
+            let rim = ((part - begins) / (1.0 - begins)).clamp(0.0, 1.0) as f32;
             push_row(&mut vertices, outer * part, self.azimuth_steps, rim);
         }
         vertices
@@ -379,6 +386,26 @@ mod tests {
                 let off = (azimuth - from + 1e-6).rem_euclid(TAU);
                 assert!(off <= TAU / f64::from(SECTORS) + 2e-6, "sector {k}: {off}");
                 assert_eq!(v.side > 0.0, k < 8);
+            }
+        }
+    }
+
+    #[test]
+    fn a_blend_is_as_wide_as_the_layout_says_and_ends_at_the_rim() {
+        for (blend_percent, begins) in [(1, 0.995), (25, 0.875), (50, 0.75), (100, 0.5)] {
+            let layout = Layout {
+                blend_percent,
+                ..Layout::STANDARD
+            };
+            let mesh = RingMesh::new(16, 200).unwrap().with_layout(layout);
+            let vertices = mesh.ring_vertices(3);
+            assert_eq!(
+                (vertices[0].rim, vertices[vertices.len() - 1].rim),
+                (1.0, 0.0)
+            );
+            for (j, row) in vertices.chunks(18).enumerate() {
+                let part = (-(j as f64) / 200.0).exp2();
+                assert_eq!(row[0].rim > 0.0, part > begins, "{blend_percent} {part}");
             }
         }
     }

@@ -29,11 +29,11 @@ pub(super) fn figure(
         };
         for path in paths {
             bench.context.go_on()?;
-            let mut moved = Vec::new();
+            let mut px = Vec::new();
             for camera in path.cameras(-30.0) {
-                moved.extend(pixels(bench, engine, camera, setting)?);
+                px.extend(moved(bench, engine, camera, setting)?.px);
             }
-            let errors = Errors::of(moved.into_iter());
+            let errors = Errors::of(px.into_iter());
             let mut row: Vec<Cell> = vec![setting.name().into(), path.name.into()];
             row.extend([errors.mean, errors.p99, errors.max].map(Cell::from));
             rows.push(row);
@@ -58,14 +58,20 @@ pub(super) fn figure(
     ))
 }
 
-/// For each pixel of a camera's picture: how far its ground moves on the screen when the camera moves by
-/// a sample of the finest height level; NaN where one of the two does not show it.
-fn pixels(
+/// A camera's picture, beside one from a sample of the finest height level farther.
+pub(super) struct Moved {
+    pub(super) still: Still,
+    pub(super) offsets: Vec<Offset>,
+    /// For each pixel how far its ground moves on the screen; NaN where one of the two does not show it.
+    pub(super) px: Vec<f64>,
+}
+
+pub(super) fn moved(
     bench: &Bench,
     engine: &mut Engine,
     camera: Camera,
     setting: Setting,
-) -> Result<Vec<f64>, SuiteError> {
+) -> Result<Moved, SuiteError> {
     let first = bench.draw(engine, camera, setting)?;
     let before = bench.offsets(engine, &first)?;
     let texel_rad = first
@@ -73,11 +79,11 @@ fn pixels(
         .heights
         .last()
         .map_or(0.0, |level| level.window.level.step_rad().y);
-    let moved = Camera {
+    let farther = Camera {
         lon_rad: camera.lon_rad + texel_rad / libm::cos(camera.lat_rad).max(0.01),
         ..camera
     };
-    let second = bench.draw(engine, moved, setting)?;
+    let second = bench.draw(engine, farther, setting)?;
     let after = bench.offsets(engine, &second)?;
     let shown = |still: &Still| {
         let read = still.renderer.read_distances();
@@ -98,7 +104,12 @@ fn pixels(
             let scale = offset.screen_px / offset.height_m.abs();
             Some((there - offset.height_m).abs() * scale)
         });
-    Ok(swims.map(|s| s.unwrap_or(f64::NAN)).collect())
+    let px = swims.map(|s| s.unwrap_or(f64::NAN)).collect();
+    Ok(Moved {
+        still: first,
+        offsets: before,
+        px,
+    })
 }
 
 /// From pixels to the world and back.

@@ -279,21 +279,12 @@ pub(super) fn measure(context: &Context) -> Result<Report, SuiteError> {
     let times = in_turns(context, &mut works)?;
     drop(works);
     let curves = |of: &dyn Fn(&(f64, f64)) -> f64| {
-        let mut curves: Vec<Curve> = Vec::new();
-        for ((setting, error), time) in settings.iter().zip(&errors).zip(&times) {
+        let measured = settings.iter().zip(&errors).zip(&times);
+        Curve::grouped(measured.map(|((setting, error), time)| {
             let nodes = sides[setting.mesh] * sides[setting.mesh];
-            let name = format!("{} ({nodes} nodes)", setting.solver);
             let point = Point::timed(setting.name.clone(), *time, of(error));
-            match curves.iter_mut().find(|c| c.name == name) {
-                Some(curve) => curve.points.push(point),
-                None => curves.push(Curve {
-                    name,
-                    points: vec![point],
-                    joined: true,
-                }),
-            }
-        }
-        curves
+            (format!("{} ({nodes} nodes)", setting.solver), point)
+        }))
     };
     let caption = "The membrane through x² − y² of ± 100 m around a square, which the five-point formula fulfils exactly: what is left is \
                    the solver's. 10⁻¹⁶ stands for none. One thread.";

@@ -1,4 +1,4 @@
-//! Layers that change nothing of a picture.
+//! Layers that change nothing of a picture: for the tests here and for the report on the same.
 
 use relievo_engine::project::{
     Adjust, Blend, ContoursLayer, Layer, LayerId, LayerKind, Noise, NoiseLayer, NoiseMode, Project,
@@ -7,18 +7,19 @@ use relievo_engine::project::{
 
 /// A way of changing nothing.
 #[derive(Clone, Copy)]
-pub(super) struct Kind {
-    pub(super) name: &'static str,
-    /// Whether it does not even get into the graph.
-    pub(super) is_compiled_away: bool,
+pub(crate) struct Kind {
+    pub(crate) name: &'static str,
+    /// What becomes of them in a part of the picture that they could be in; `None` where they do not
+    /// even get into the graph.
+    pub(crate) unseen: Option<&'static str>,
     /// Adds so many of them to a scene.
-    pub(super) add: fn(&mut Project, usize),
+    pub(crate) add: fn(&mut Project, usize),
 }
 
-pub(super) const KINDS: [Kind; 4] = [
+pub(crate) const KINDS: [Kind; 4] = [
     Kind {
         name: "hidden",
-        is_compiled_away: true,
+        unseen: None,
         add: |project, count| {
             project.layers.extend((0..count).map(|k| {
                 let kind = if k % 2 == 0 {
@@ -34,12 +35,18 @@ pub(super) const KINDS: [Kind; 4] = [
     },
     Kind {
         name: "without effect",
-        is_compiled_away: true,
-        add: |project, count| project.layers.extend((0..count).map(inert)),
+        unseen: None,
+        add: |project, count| {
+            // Among the others, below and above.
+            for k in 0..count {
+                let at = k * project.layers.len() / count;
+                project.layers.insert(at, inert(k));
+            }
+        },
     },
     Kind {
         name: "covered",
-        is_compiled_away: false,
+        unseen: Some("covered"),
         add: |project, count| {
             let covered = (0..count).map(|k| {
                 let kind = match k % 3 {
@@ -55,13 +62,13 @@ pub(super) const KINDS: [Kind; 4] = [
     },
     Kind {
         name: "off the screen",
-        is_compiled_away: false,
+        unseen: Some("off the screen"),
         add: |project, count| project.layers.extend((0..count).map(far_away)),
     },
 ];
 
 /// Hills in the colours of their heights.
-pub(super) fn plain() -> Project {
+pub(crate) fn plain() -> Project {
     Project {
         layers: vec![
             layer("hills", noise(200.0, NoiseMode::Add)),
@@ -71,11 +78,11 @@ pub(super) fn plain() -> Project {
     }
 }
 
-pub(super) fn layer(id: &str, kind: LayerKind) -> Layer {
+pub(crate) fn layer(id: &str, kind: LayerKind) -> Layer {
     Layer::new(LayerId::from(id), id, kind)
 }
 
-pub(super) fn noise(amplitude_m: f64, mode: NoiseMode) -> LayerKind {
+pub(crate) fn noise(amplitude_m: f64, mode: NoiseMode) -> LayerKind {
     let noise = Noise {
         amplitude_m,
         mode,
@@ -86,7 +93,7 @@ pub(super) fn noise(amplitude_m: f64, mode: NoiseMode) -> LayerKind {
     LayerKind::Noise(NoiseLayer { noise })
 }
 
-pub(super) fn tint() -> LayerKind {
+pub(crate) fn tint() -> LayerKind {
     let stops = vec![
         TintStop::new(-300.0, [20, 60, 20]),
         TintStop::new(300.0, [200, 200, 180]),
@@ -128,10 +135,10 @@ fn inert(k: usize) -> Layer {
 }
 
 /// File of the layers on the other side of the planet.
-pub(super) const FAR: &str = "far.geojson";
+pub(crate) const FAR: &str = "far.geojson";
 
 /// What is in it.
-pub(super) const FAR_FEATURE: &str = r#"{"type":"Feature","properties":{},"geometry":{"type":"Polygon",
+pub(crate) const FAR_FEATURE: &str = r#"{"type":"Feature","properties":{},"geometry":{"type":"Polygon",
     "coordinates":[[[-150,-40],[-149,-40],[-149,-39],[-150,-40]]]}}"#;
 
 fn far_away(k: usize) -> Layer {
