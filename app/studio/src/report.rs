@@ -6,15 +6,14 @@ mod table;
 use std::path::Path;
 
 use relievo_engine::Engine;
-use relievo_engine::analysis::{
-    AnalysisError, Comparison, ComparisonReport, ContourLine, SitePictures, Task,
-};
-use relievo_engine::export::contour_features;
+use relievo_engine::analysis::{AnalysisError, Comparison, ComparisonReport, SitePictures, Task};
 use relievo_engine::project::resolve_path;
 use relievo_engine::vector::VectorError;
 use relievo_engine::vector::write::{Feature, write_geojson};
 
+#[cfg(feature = "window")]
 pub(crate) use html::grouped;
+#[cfg(feature = "window")]
 pub(crate) use table::QUANTITIES;
 
 /// Pictures across in a report, pixels.
@@ -74,8 +73,13 @@ pub(crate) fn text(
 ///
 /// # Errors
 /// One line.
-pub(crate) fn write_contours(file: &Path, lines: &[ContourLine]) -> Result<(), String> {
-    let written = write_features(file, "contours", &contour_features(lines));
+#[cfg(feature = "window")]
+pub(crate) fn write_contours(
+    file: &Path,
+    lines: &[relievo_engine::analysis::ContourLine],
+) -> Result<(), String> {
+    let features = relievo_engine::export::contour_features(lines);
+    let written = write_features(file, "contours", &features);
     written.map_err(|error| error.to_string())
 }
 
