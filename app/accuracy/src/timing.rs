@@ -1,6 +1,6 @@
 //! Times that can be compared: contestants take turns, and the middle counts.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::{Context, SuiteError};
 
@@ -78,13 +78,20 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Nanoseconds a unit of each work: the median of several repetitions (few in a quick run), one after
-/// the other of all works in turn, so that a machine that slows down slows all of them.
+/// Repetitions that are made however long they take.
+const LEAST: usize = 3;
+
+/// Time after which no further repetition begins: slow works are known to the same share by fewer.
+const ENOUGH: Duration = Duration::from_secs(30);
+
+/// Nanoseconds a unit of each work: the median of several repetitions (few in a quick run, and of works
+/// that take long), one after the other of all works in turn, so that a machine that slows down slows
+/// all of them.
 ///
 /// # Errors
 /// [`SuiteError::Cancelled`].
 pub fn in_turns(context: &Context, works: &mut [Work]) -> Result<Vec<Spread>, SuiteError> {
-    let repetitions = context.pick(3, 15);
+    let repetitions = context.pick(LEAST, 15);
     let mut runs = Vec::new();
     for work in works.iter_mut() {
         context.go_on()?;
@@ -93,7 +100,11 @@ pub fn in_turns(context: &Context, works: &mut [Work]) -> Result<Vec<Spread>, Su
         runs.push(((SHORTEST_NS / once_ns) as u32).clamp(1, MOST_RUNS));
     }
     let mut times = vec![Vec::new(); works.len()];
-    for _ in 0..repetitions {
+    let started = Instant::now();
+    for done in 0..repetitions {
+        if done >= LEAST && started.elapsed() >= ENOUGH {
+            break;
+        }
         for ((work, runs), times) in works.iter_mut().zip(&runs).zip(&mut times) {
             context.go_on()?;
             times.push(work.time_ns(*runs) / work.units);

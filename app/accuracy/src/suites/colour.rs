@@ -72,7 +72,7 @@ fn settings(context: &Context, gpu: &Gpu) -> Vec<Setting> {
     let taps: &[u32] = if context.quick {
         &[1, 8]
     } else {
-        &[1, 2, 4, 8, 16]
+        &[1, 4, 8, 16]
     };
     let of = |window: u32, taps: u32, focus: FocusRule| Setting {
         window,
@@ -87,15 +87,19 @@ fn settings(context: &Context, gpu: &Gpu) -> Vec<Setting> {
         .into_iter()
         .filter(|focus| *focus != Layout::STANDARD.focus);
     let foci = others.flat_map(|focus| {
-        let least = windows.iter().take(context.pick(1, windows.len()));
-        least.map(move |window| of(*window, FOCUS_TAPS, focus))
+        let count = context.pick(1, FOCUS_WINDOWS.len());
+        let compared = FOCUS_WINDOWS.iter().take(count);
+        compared.map(move |window| of(*window, FOCUS_TAPS, focus))
     });
-    // The picture that is shown is the last one's: the focus of pictures, the best window.
+    // The last one's picture is shown.
     foci.chain(pairs).collect()
 }
 
 /// Taps with which rules of the focus are compared.
 const FOCUS_TAPS: u32 = 8;
+
+/// Windows with which they are compared.
+const FOCUS_WINDOWS: [u32; 2] = [256, 1024];
 
 fn focus_name(focus: FocusRule) -> &'static str {
     match focus {
@@ -250,7 +254,10 @@ fn trade(shot: &Shot, index: usize, measured: &[Measured]) -> Figure {
 
 /// Those with as many taps as rules of the focus are compared with.
 fn compared(measured: &[Measured]) -> impl Iterator<Item = &Measured> {
-    measured.iter().filter(|m| m.setting.taps == FOCUS_TAPS)
+    measured.iter().filter(|m| {
+        let setting = m.setting;
+        setting.taps == FOCUS_TAPS && FOCUS_WINDOWS.contains(&setting.window)
+    })
 }
 
 fn by_focus(shot: &Shot, index: usize, measured: &[Measured]) -> Figure {

@@ -190,7 +190,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
     let mut done = paths.len() * settings.len();
     report.figures.push(table(rows));
     report.figures.push(livny::by_mesh(&bench, meshes));
-    for path in &paths {
+    for path in paths.iter().take(context.pick(1, paths.len())) {
         context.step(done, steps)?;
         done += 1;
         let figures = layouts::figures(&bench, &mut engine, path)?;

@@ -49,7 +49,7 @@ impl Path {
             return Ok(Vec::new());
         };
         let along = |name, start: MapPoint| -> Result<Self, SuiteError> {
-            let count = context.pick(1, 3);
+            let count = context.pick(1, 2);
             let mut places = Vec::new();
             for k in 0..count {
                 let east_rad = f64::from(k) * 2.0 * HEIGHT_M / radius_m;
