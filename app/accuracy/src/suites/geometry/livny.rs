@@ -56,9 +56,14 @@ fn row(name: String, of: [f64; 3], height_px: f64) -> Vec<Cell> {
 
 /// A path's meshes with the default size of a height sample.
 pub(super) fn mesh_rows(path: &Path, measured: &[Measured]) -> Vec<(String, [f64; 3])> {
-    let standard = measured
-        .iter()
-        .filter(|m| m.setting.texel_px == Setting::STANDARD.texel_px);
+    let standard = measured.iter().filter(|m| {
+        let steps = m.setting.steps;
+        m.setting
+            == Setting {
+                steps,
+                ..Setting::STANDARD
+            }
+    });
     let values = standard.map(|m| {
         let name = format!("{} ({})", m.setting.name(), path.name);
         let px = [m.distortion.hausdorff_px(), m.errors.max, m.errors.mean];
