@@ -6,6 +6,7 @@ pub mod geometry;
 pub mod leaving_out;
 pub mod noise;
 pub mod planning;
+pub mod quality;
 pub mod resample;
 pub mod stability;
 pub mod transform;
@@ -17,6 +18,7 @@ pub const ALL: &[Suite] = &[
     transform::SUITE,
     geometry::SUITE,
     colour::SUITE,
+    quality::SUITE,
     convergence::SUITE,
     resample::SUITE,
     planning::SUITE,

@@ -4,7 +4,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use relievo_accuracy::suites::{colour, convergence, geometry};
+use relievo_accuracy::suites::{colour, convergence, geometry, quality};
 use relievo_accuracy::{Cell, Content, Context, DeviceWish, Report, Suite, Table};
 
 fn report(suite: Suite) -> Report {
@@ -32,7 +32,12 @@ fn column(table: &Table, head: &str, of: impl Fn(&[Cell]) -> bool) -> Vec<f64> {
 
 #[test]
 fn without_an_adapter_the_suites_say_what_is_missing() {
-    for suite in [colour::SUITE, geometry::SUITE, convergence::SUITE] {
+    for suite in [
+        colour::SUITE,
+        geometry::SUITE,
+        quality::SUITE,
+        convergence::SUITE,
+    ] {
         let context = Context::new(true, DeviceWish::Without, &|_| ());
         let report = (suite.run)(&context).unwrap();
         assert!(
@@ -96,6 +101,38 @@ mod on_device {
             dense.iter().zip(&sparse).all(|(d, s)| d < s),
             "{dense:?} {sparse:?}"
         );
+    }
+
+    #[test]
+    fn the_front_of_quality_is_one_that_the_studio_reads_and_finer_settings_are_truer() {
+        let report = report(quality::SUITE);
+        let table = table(&report, "front");
+        let mut text = table.head.join(",");
+        for row in &table.rows {
+            let cells = row.iter().map(|cell| match cell {
+                Cell::Number(number) => number.to_string(),
+                Cell::Text(text) => panic!("{text}"),
+            });
+            text = text + "\n" + &cells.collect::<Vec<_>>().join(",");
+        }
+        let front = relievo_gpu::Front::parse(&text).unwrap();
+        // Times differ from run to run; errors do not: the coarsest is worst whatever it costs.
+        let trade = report.figures.iter().find(|f| f.name == "trade").unwrap();
+        let Content::Chart(trade) = &trade.content else {
+            panic!("trade is a chart")
+        };
+        let all = &trade.curves[0].points;
+        assert_eq!(all.len(), 6, "three meshes with two numbers of taps");
+        let error = |setting: &str| {
+            let point = all.iter().find(|p| p.setting.starts_with(setting)).unwrap();
+            point.y
+        };
+        let (coarse, fine) = (error("64 × 8, 1 taps"), error("512 × 40, 8 taps"));
+        assert!(all.iter().all(|p| p.y <= coarse && p.y >= fine), "{all:?}");
+        assert!(coarse > 2.0 * fine && fine > 0.0, "{coarse} {fine}");
+        // Six pixels high it is not; what the studio offers is as true as what there is.
+        let last = front.points().last().unwrap();
+        assert_eq!(last.error_px, fine, "the truest is kept");
     }
 
     #[test]

@@ -35,6 +35,7 @@ pub mod uniforms;
 pub use clipmap_textures::UploadError;
 pub use device::{Gpu, GpuError, LossWatch, device_descriptor};
 pub use memory::OutOfMemory;
+pub use quality::front::{Front, FrontError, FrontPoint, Setting};
 pub use quality::{AdapterClass, Look, Quality};
 pub use readback::{Picture, ReadError};
 pub use renderer::{PickedPoint, RenderError, Renderer};

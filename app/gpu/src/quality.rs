@@ -1,5 +1,7 @@
 //! How much is spent on a picture, decided by the adapter unless the user decides.
 
+pub mod front;
+
 use relievo_engine::planet::clipmap::Layout;
 
 /// How fast an adapter is, roughly.

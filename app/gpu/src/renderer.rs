@@ -177,9 +177,27 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// The quality it was made for.
+    /// The quality it draws with.
     pub fn quality(&self) -> Quality {
         self.quality
+    }
+
+    /// Changes what is spent, from the next frame on. Samples on the device stay; windows change as
+    /// frames do. A mesh of other steps is made at once, on the calling thread.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; everything stays as it was.
+    pub fn set_quality(&mut self, quality: Quality) -> Result<(), MeshStepsError> {
+        let steps = |q: &Quality| (q.azimuth_steps, q.radial_steps);
+        if steps(&quality) != steps(&self.quality) {
+            self.mesh = MeshBuffers::new(&self.device, &quality)?;
+            self.displace_group = self
+                .displace
+                .bind(&self.device, self.heights.view(), &self.mesh);
+            self.drawn = None;
+        }
+        self.quality = quality;
+        Ok(())
     }
 
     /// How air and light look.

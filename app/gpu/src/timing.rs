@@ -32,6 +32,8 @@ pub struct FrameTime {
     pub gpu_ms: f64,
     /// Pixels of its picture.
     pub pixels: u64,
+    /// How many frames had been measured before, by which a new measurement is told from an old one.
+    pub number: u64,
 }
 
 impl FrameTimer {
@@ -90,6 +92,7 @@ impl FrameTimer {
                     self.latest = Some(FrameTime {
                         gpu_ms: elapsed as f64 * self.period_ns / 1e6,
                         pixels: self.pixels,
+                        number: self.latest.map_or(0, |before| before.number + 1),
                     });
                 }
                 self.readable.unmap();

@@ -17,6 +17,7 @@ mod controls;
 mod dialogs;
 mod document;
 mod elements;
+mod governor;
 mod graph;
 mod histogram;
 mod history;
@@ -44,6 +45,7 @@ mod status;
 mod studio;
 mod theme;
 mod tools;
+mod trade;
 mod viewport;
 mod waiting;
 

@@ -218,9 +218,25 @@ impl<T> Auto<T> {
     }
 }
 
+/// What decides how fine the picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Aim {
+    /// The graphics adapter, changed by [`Quality::texel_px`] and [`Quality::mesh_density`].
+    #[default]
+    Adapter,
+    /// The least cost at which errors stay below [`Quality::error_px`].
+    Error,
+    /// The least error at which frames take no longer than [`Quality::frame_budget_ms`].
+    FrameTime,
+}
+
 /// How fine the picture is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
+    /// What decides. Whatever it is, the other members are kept for when it is another.
+    pub aim: Aim,
+    /// Error on the screen in pixels that [`Aim::Error`] allows, 0.01 to 100. Default 0.5.
+    pub error_px: f64,
     /// Samples along a side of a colour window: 256, 512, 1024, 2048 or 4096.
     pub colour_window_samples: Auto<u32>,
     /// Screen pixels that the finest texel should cover, 0.25 to 16. Default 1; larger is coarser
@@ -228,7 +244,8 @@ pub struct Quality {
     pub texel_px: f64,
     /// Factor on the number of triangles of the automatic mesh, 0.1 to 10.
     pub mesh_density: Auto<f64>,
-    /// Time for one frame in milliseconds, 1 to 1000. Default 16.
+    /// Time on the graphics device that [`Aim::FrameTime`] allows a frame, milliseconds, 1 to 1000.
+    /// Default 16.
     pub frame_budget_ms: f64,
     /// Unknown fields of the file.
     pub extra: Extra,
@@ -237,6 +254,8 @@ pub struct Quality {
 impl Default for Quality {
     fn default() -> Self {
         Self {
+            aim: Aim::Adapter,
+            error_px: 0.5,
             colour_window_samples: Auto::Auto,
             texel_px: 1.0,
             mesh_density: Auto::Auto,

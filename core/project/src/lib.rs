@@ -33,7 +33,8 @@ mod vertices;
 pub use apply::EditError;
 pub use build::{NewProjectError, SourceRole, layer_from_source};
 pub use document::{
-    Auto, Body, Bookmark, CameraSettings, Extra, PlanetSettings, Project, Quality, Sun, SunAnchor,
+    Aim, Auto, Body, Bookmark, CameraSettings, Extra, PlanetSettings, Project, Quality, Sun,
+    SunAnchor,
 };
 pub use edit::{Affects, Aspect, Edit};
 pub use element::{

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use relievo_project::{
-    Adjust, Affects, Aspect, Blend, CameraSettings, ContoursLayer, Edit, Georeference,
+    Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ContoursLayer, Edit, Georeference,
     HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Noise,
     NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source,
     Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop,
@@ -193,9 +193,11 @@ fn edit() -> impl Strategy<Value = Edit> {
                 ..Sun::default()
             }
         }),
-        value.prop_map(|texel_px| Edit::SetQuality {
+        (0..3_usize, value).prop_map(|(aim, number)| Edit::SetQuality {
             quality: Quality {
-                texel_px,
+                aim: [Aim::Adapter, Aim::Error, Aim::FrameTime][aim],
+                error_px: number,
+                texel_px: number,
                 ..Quality::default()
             }
         }),

@@ -115,6 +115,18 @@ fn wrong_values_are_named() {
             json!({ "version": 1, "quality": { "colour_window_samples": 1000 } }),
             "2048",
         ),
+        (
+            json!({ "version": 1, "quality": { "aim": "speed" } }),
+            "/quality/aim: expected one of adapter error frame_time, found \"speed\"",
+        ),
+        (
+            json!({ "version": 1, "quality": { "error_px": 0 } }),
+            "/quality/error_px",
+        ),
+        (
+            json!({ "version": 1, "quality": { "frame_budget_ms": 2000 } }),
+            "/quality/frame_budget_ms",
+        ),
         (imagery("id", json!("a b")), "found \"a b\""),
         (imagery("path", json!("")), "not empty"),
         (imagery("path", json!(null)), "expected a text, found null"),

@@ -6,7 +6,7 @@
 mod distortion;
 mod layouts;
 mod livny;
-mod paths;
+pub(crate) mod paths;
 mod swimming;
 
 use core::cell::OnceCell;

@@ -6,7 +6,7 @@ use relievo_engine::planet::Planet;
 use relievo_engine::raster::{Sample, Tile};
 use relievo_engine::{ClipKind, Upload};
 use relievo_gpu::clipmap_textures::ClipmapTexture;
-use relievo_gpu::{Gpu, ReadError, RenderError, Renderer, UploadError};
+use relievo_gpu::{Gpu, Quality, ReadError, RenderError, Renderer, UploadError};
 
 use crate::scene::{self, World, camera, gpu, sun};
 
@@ -146,4 +146,43 @@ fn a_device_without_room_says_so_and_goes_on_with_what_it_has() {
     assert!(!gpu.loss.is_lost());
     draw(&mut renderer, &frame).unwrap();
     assert!(renderer.read_back().unwrap() == before);
+}
+
+#[test]
+fn a_renderer_of_changed_quality_draws_what_one_made_for_it_draws() {
+    let camera = camera(11.0, 47.0, 20_000.0, 200.0, -30.0);
+    let frame = scene::frame(&WORLD, camera, SIZE, sun(&camera, 150.0, 50.0));
+    let without_uploads = {
+        let mut frame = frame.clone();
+        frame.uploads.clear();
+        frame
+    };
+    let coarse = Quality {
+        azimuth_steps: 64,
+        radial_steps: 5,
+        max_taps: 1,
+        ..scene::quality()
+    };
+    let mut renderer = scene::renderer();
+    let (fine, _) = scene::draw(&mut renderer, &frame);
+    renderer.set_quality(coarse).unwrap();
+    // Nothing is sent again.
+    let (changed, drawn) = scene::draw(&mut renderer, &without_uploads);
+    assert!(!drawn.reused);
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let mut made = Renderer::new(gpu(), format, coarse).unwrap();
+    let (expected, _) = scene::draw(&mut made, &frame);
+    assert!(changed.rgba == expected.rgba && changed.rgba != fine.rgba);
+    // What cannot be cut into sectors is refused, and nothing has changed.
+    let uneven = Quality {
+        azimuth_steps: 65,
+        ..coarse
+    };
+    renderer.set_quality(uneven).unwrap_err();
+    assert_eq!(renderer.quality(), coarse);
+    let (again, drawn) = scene::draw(&mut renderer, &without_uploads);
+    assert!(drawn.reused && again.rgba == expected.rgba);
+    renderer.set_quality(scene::quality()).unwrap();
+    let (back, _) = scene::draw(&mut renderer, &without_uploads);
+    assert!(back.rgba == fine.rgba);
 }

@@ -9,14 +9,12 @@ use std::time::{Duration, Instant};
 use relievo_engine::planet::Camera;
 use relievo_engine::planet::camera::CameraError;
 use relievo_engine::{Engine, Severity, View};
-use relievo_gpu::{
-    Gpu, GpuError, Picture, Quality, ReadError, RenderError, Renderer, Still, StillError,
-};
+use relievo_gpu::{Gpu, GpuError, Picture, ReadError, RenderError, Renderer, Still, StillError};
 
 use super::progress::Progress;
 use super::scenario::Scenario;
 use super::{Context, Failure, project, units};
-use crate::picture;
+use crate::picture::{self, Fineness};
 use stats::{Stats, Timings};
 
 /// Render a picture of a project.
@@ -93,17 +91,16 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
             "expected a picture of at most {most} pixels a side, found {side}"
         )));
     }
-    let quality = picture::still_quality(&engine.project().quality, gpu.class);
+    let fineness = picture::still_fineness(&engine.project().quality, gpu.class);
     let ready = Instant::now();
     let limit = arguments.time_limit.map(Duration::from_millis);
     let mut device = Device {
         gpu,
-        quality,
+        fineness,
         lost: false,
     };
     let (still, picture) = loop {
-        let settings = &engine.project().quality;
-        let view = picture::view(camera, arguments.size, settings, &device.quality);
+        let view = picture::view(camera, arguments.size, &device.fineness);
         match draw(&mut engine, view, &device, limit, context) {
             Ok((still, mut picture)) => {
                 picture::labels::draw(&mut picture, &engine.labels(&view));
@@ -114,7 +111,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         }
         engine.forget_uploads();
     };
-    let Device { gpu, quality, .. } = device;
+    let Device { gpu, fineness, .. } = device;
     let drawn = Instant::now();
     picture::write(&arguments.output, &picture).map_err(Failure::system)?;
     if let Some(path) = &arguments.stats {
@@ -126,7 +123,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
             tiles_busy_ms: engine.stats().busy_ns as f64 / 1e6,
             gpu_frame_ms: still.drawn.measured.map(|m| m.gpu_ms),
         };
-        Stats::new(&engine, &gpu, &quality, &still, timings).write(path)?;
+        Stats::new(&engine, &gpu, &fineness.quality, &still, timings).write(path)?;
     }
     incomplete(&engine, &arguments.output)
 }
@@ -166,7 +163,7 @@ fn camera(arguments: &Arguments, engine: &Engine) -> Result<Camera, Failure> {
 /// What a picture is drawn with.
 struct Device {
     gpu: Gpu,
-    quality: Quality,
+    fineness: Fineness,
     /// Whether one was lost before.
     lost: bool,
 }
@@ -183,7 +180,7 @@ impl Device {
     /// Does what can be done about a failure of the device, and tells it: a lost one is replaced
     /// once, one without room draws less finely.
     fn mend(&mut self, error: &RenderError, context: &mut Context) -> Result<(), Failure> {
-        let smaller = self.quality.colour_window / 2;
+        let smaller = self.fineness.quality.colour_window / 2;
         match error {
             RenderError::DeviceLost if !self.lost => {
                 context.note(format!("{error}; drawing once more on another"));
@@ -195,7 +192,7 @@ impl Device {
                 context.note(format!(
                     "{error}; drawing less finely, in colour windows of {smaller} samples"
                 ));
-                self.quality.colour_window = smaller;
+                self.fineness.quality.colour_window = smaller;
                 Ok(())
             }
             RenderError::DeviceLost | RenderError::OutOfMemory(_) | RenderError::Upload(_) => {
@@ -214,7 +211,7 @@ fn draw(
     context: &Context,
 ) -> Result<(Still, Picture), DrawFailure> {
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    let renderer = Renderer::new(&device.gpu, format, device.quality)
+    let renderer = Renderer::new(&device.gpu, format, device.fineness.quality)
         .map_err(|e| DrawFailure::Other(Failure::input(e)))?;
     let progress = Progress::new("making tiles");
     let mut watch = |share| {

@@ -184,7 +184,7 @@ impl Studio {
         let camera = *self.navigation.camera();
         let settings = self.document.project().quality.clone();
         let render_state = self.render_state.clone();
-        let most_window = self.most_window;
+        let (chosen, most_window) = (self.governor.setting(), self.most_window);
         let Some(compare) = &mut self.compare else {
             return;
         };
@@ -200,23 +200,23 @@ impl Studio {
         if compare.stage.is_none()
             && let Some(state) = &render_state
         {
-            compare.stage = Stage::new(state, &settings, most_window).ok();
+            compare.stage = Stage::new(state, &settings, chosen, most_window).ok();
         }
         let scale = ui.ctx().pixels_per_point();
         let size_px = [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
-        let quality = match &compare.stage {
-            Some(stage) => stage.quality(),
-            None => picture::quality(&settings, AdapterClass::Software),
+        let fineness = match &compare.stage {
+            Some(stage) => stage.fineness(&settings, chosen),
+            None => picture::fineness(&settings, AdapterClass::Software, chosen),
         };
         compare
             .engine
-            .set_view(picture::view(camera, size_px, &settings, &quality));
+            .set_view(picture::view(camera, size_px, &fineness));
         let Some(frame) = compare.engine.drain(dt_s) else {
             return;
         };
         self.status.pending += frame.pending + usize::from(compare.engine.is_busy());
         if let Some(stage) = &mut compare.stage {
-            if let Err(error) = stage.draw(&frame, true) {
+            if let Err(error) = stage.draw(&frame, &fineness, true) {
                 self.log
                     .add(Weight::Error, format!("the comparison ends: {error}"));
                 self.compare = None;

@@ -1,7 +1,7 @@
 //! How finely the picture is drawn while it moves: on a slow adapter fewer pixels at a steady pace
 //! beat all pixels at a few frames a second. At rest every pixel is drawn.
 
-/// What a frame in motion may take on the adapter, milliseconds.
+/// What a frame in motion may take on the adapter where nothing else is said, milliseconds.
 const BUDGET_MS: f64 = 33.0;
 
 /// Part of the budget that a finer picture must fit in before it is tried, so that the size does
@@ -26,9 +26,15 @@ pub(crate) struct Pace {
     ms_per_pixel: Option<f64>,
     moved_s: Option<f64>,
     rests: bool,
+    allowed_ms: Option<f64>,
 }
 
 impl Pace {
+    /// What a frame in motion may take from now on, milliseconds; `None`: as usual.
+    pub(crate) fn allow(&mut self, budget_ms: Option<f64>) {
+        self.allowed_ms = budget_ms;
+    }
+
     /// What the latest drawn frame cost.
     pub(crate) fn measured(&mut self, gpu_ms: f64, pixels: f64) {
         if !(gpu_ms.is_finite() && gpu_ms > 0.0 && pixels >= 1.0) {
@@ -73,11 +79,12 @@ impl Pace {
                 .unwrap_or(SCALES.len() - 1)
         };
         // Coarser at once, finer only with room to spare.
-        let needed = fits(BUDGET_MS);
+        let budget_ms = self.allowed_ms.unwrap_or(BUDGET_MS);
+        let needed = fits(budget_ms);
         if needed >= self.step {
             needed
         } else {
-            fits(BUDGET_MS * HEADROOM).min(self.step)
+            fits(budget_ms * HEADROOM).min(self.step)
         }
     }
 }
@@ -114,6 +121,17 @@ mod tests {
         assert!(!pace.rests());
         assert_eq!(pace.size_px(FULL, 1.6, false), [600, 450], "a pause");
         assert_eq!(pace.size_px(FULL, 1.5 + 0.3, false), FULL, "a rest");
+    }
+
+    #[test]
+    fn more_is_drawn_where_more_time_is_allowed() {
+        let mut pace = Pace::default();
+        pace.allow(Some(200.0));
+        let sizes = run(&mut pace, 120.0, 0.0, 50);
+        assert_eq!(sizes[49], FULL);
+        pace.allow(Some(10.0));
+        let sizes = run(&mut pace, 120.0, 2.0, 50);
+        assert_eq!(sizes[49], [300, 225]);
     }
 
     #[test]

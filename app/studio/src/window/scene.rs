@@ -1,10 +1,13 @@
 //! Settings of the whole scene: light, planet, quality.
 
+mod quality;
+
 use eframe::egui::{CollapsingHeader, RichText, ScrollArea, Ui};
-use relievo_engine::project::{Auto, Body, Edit, PlanetSettings, Project, Quality, Sun};
+use relievo_engine::project::{Body, Edit, PlanetSettings, Project, Sun};
 
 use super::action::Action;
 use super::controls::{self, Number};
+use super::governor::Governor;
 
 const EXAGGERATION: Number = Number::new(
     "Heights ×",
@@ -32,26 +35,6 @@ const AMBIENT: Number = Number::new(
     0.0..=1.0,
     0.3,
 );
-const TEXEL: Number = Number::new(
-    "Texel size",
-    "Screen pixels that the finest sample covers; larger is faster",
-    0.25..=16.0,
-    1.0,
-)
-.unit(" px", 2)
-.logarithmic();
-const DENSITY: Number =
-    Number::new("Mesh", "Factor on the number of triangles", 0.1..=10.0, 1.0).logarithmic();
-
-const WINDOWS: [(Auto<u32>, &str); 6] = [
-    (Auto::Auto, "Automatic"),
-    (Auto::Value(256), "256"),
-    (Auto::Value(512), "512"),
-    (Auto::Value(1024), "1024"),
-    (Auto::Value(2048), "2048"),
-    (Auto::Value(4096), "4096"),
-];
-
 /// Which planets the window offers.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Known {
@@ -62,13 +45,15 @@ enum Known {
 }
 
 /// Draws them.
-pub(crate) fn show(ui: &mut Ui, project: &Project, actions: &mut Vec<Action>) {
+pub(crate) fn show(ui: &mut Ui, project: &Project, governor: &Governor, actions: &mut Vec<Action>) {
     ScrollArea::vertical()
         .auto_shrink([false, false])
         .show(ui, |ui| {
             section(ui, "Light", |ui| light(ui, &project.sun, actions));
             section(ui, "Planet", |ui| planet(ui, &project.planet, actions));
-            section(ui, "Quality", |ui| quality(ui, &project.quality, actions));
+            section(ui, "Quality", |ui| {
+                quality::show(ui, &project.quality, governor, actions);
+            });
         });
 }
 
@@ -141,39 +126,6 @@ fn planet(ui: &mut Ui, planet: &PlanetSettings, actions: &mut Vec<Action>) {
         RichText::new(format!("mean radius {radius_km:.1} km"))
             .small()
             .weak(),
-    );
-}
-
-fn quality(ui: &mut Ui, quality: &Quality, actions: &mut Vec<Action>) {
-    let edit = |quality| Edit::SetQuality { quality };
-    controls::number(ui, &TEXEL, quality.texel_px, actions, |texel_px| {
-        edit(Quality {
-            texel_px,
-            ..quality.clone()
-        })
-    });
-    let density = quality.mesh_density.unwrap_or(1.0);
-    controls::number(ui, &DENSITY, density, actions, |v| {
-        let mesh_density = if v == 1.0 { Auto::Auto } else { Auto::Value(v) };
-        edit(Quality {
-            mesh_density,
-            ..quality.clone()
-        })
-    });
-    let hint = "Samples along a side of a colour level; more are finer and take more memory";
-    controls::choice(
-        ui,
-        "Windows",
-        hint,
-        &WINDOWS,
-        quality.colour_window_samples,
-        actions,
-        |colour_window_samples| {
-            edit(Quality {
-                colour_window_samples,
-                ..quality.clone()
-            })
-        },
     );
 }
 

@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use eframe::{egui, egui_wgpu};
 use relievo_engine::{Frame, project};
-use relievo_gpu::{FrameStats, Gpu, Picture, Quality, ReadError, RenderError, Renderer};
+use relievo_gpu::{FrameStats, Gpu, Picture, Quality, ReadError, RenderError, Renderer, Setting};
 
-use crate::picture;
+use crate::picture::{self, Fineness};
 
 /// Samples along the smallest colour window that is worth drawing with.
 const LEAST_WINDOW: u32 = 256;
@@ -24,14 +24,15 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// A stage on a window's device, with colour windows of at most `most_window` samples, as far as
-    /// the device's textures go.
+    /// A stage on a window's device for a project's settings, or for a setting of the front, with colour
+    /// windows of at most `most_window` samples, as far as the device's textures go.
     ///
     /// # Errors
     /// One line that says why the adapter does not do.
     pub(crate) fn new(
         state: &egui_wgpu::RenderState,
         settings: &project::Quality,
+        chosen: Option<&Setting>,
         most_window: u32,
     ) -> Result<Self, String> {
         let limits = state.device.limits();
@@ -46,7 +47,8 @@ impl Stage {
         let gpu = Gpu::shared(&state.adapter, &state.device, &state.queue);
         // Windows are powers of two.
         let most_window = most_window.min(1 << side.ilog2());
-        let quality = limited(picture::quality(settings, gpu.class), most_window);
+        let fineness = picture::fineness(settings, gpu.class, chosen);
+        let quality = limited(fineness.quality, most_window);
         let renderer =
             Renderer::new(&gpu, state.target_format, quality).map_err(|e| e.to_string())?;
         Ok(Self {
@@ -58,9 +60,28 @@ impl Stage {
         })
     }
 
-    /// The quality that fits a project's settings on this adapter.
-    pub(crate) fn quality_for(&self, settings: &project::Quality) -> Quality {
-        limited(picture::quality(settings, self.gpu.class), self.most_window)
+    /// Whether a project's settings ask for other windows than it draws with: for these it takes another
+    /// stage.
+    pub(crate) fn has_other_windows(&self, settings: &project::Quality) -> bool {
+        let fineness = picture::fineness(settings, self.gpu.class, None);
+        limited(fineness.quality, self.most_window).colour_window != self.quality.colour_window
+    }
+
+    /// How finely a project is drawn with the windows that it has; `chosen`: a setting of the front.
+    pub(crate) fn fineness(
+        &self,
+        settings: &project::Quality,
+        chosen: Option<&Setting>,
+    ) -> Fineness {
+        let fineness = picture::fineness(settings, self.gpu.class, chosen);
+        let colour_window = self.quality.colour_window;
+        Fineness {
+            quality: Quality {
+                colour_window,
+                ..fineness.quality
+            },
+            ..fineness
+        }
     }
 
     /// The largest windows that are smaller than those it draws with; `None` at the smallest.
@@ -69,9 +90,9 @@ impl Stage {
         (smaller >= LEAST_WINDOW).then_some(smaller)
     }
 
-    /// The quality it draws with.
-    pub(crate) fn quality(&self) -> Quality {
-        self.quality
+    /// What is spent by default on its adapter.
+    pub(crate) fn standard(&self) -> Quality {
+        Quality::for_adapter(self.gpu.class)
     }
 
     /// Whether the device is gone.
@@ -89,17 +110,30 @@ impl Stage {
         self.stats.as_ref()
     }
 
-    /// Draws a frame into the stage's own picture. `rests` says whether nothing moves.
+    /// Draws a frame, made for a view of that fineness, into the stage's own picture. `rests` says whether
+    /// nothing moves.
     ///
     /// # Errors
     /// When the device is lost or has no room, or an upload does not fit.
-    pub(crate) fn draw(&mut self, frame: &Frame, rests: bool) -> Result<(), RenderError> {
+    pub(crate) fn draw(
+        &mut self,
+        frame: &Frame,
+        fineness: &Fineness,
+        rests: bool,
+    ) -> Result<(), RenderError> {
         let label = Some("stage/encoder");
         let mut encoder = self
             .gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         let mut renderer = lock(&self.renderer);
+        if fineness.quality != self.quality {
+            match renderer.set_quality(fineness.quality) {
+                Ok(()) => self.quality = fineness.quality,
+                // It is drawn as before, which is no less right.
+                Err(error) => tracing::warn!("{error}"),
+            }
+        }
         renderer.set_rests(rests);
         let stats = renderer.render(frame, &mut encoder)?;
         drop(renderer);

@@ -23,12 +23,14 @@ use relievo_engine::planet::{Camera, MapPoint};
 use relievo_engine::project::{Abandoned, ElementId, FileStamp, LayerId, Recovery};
 use relievo_engine::raster::Cancel;
 use relievo_engine::{DEFAULT_DISK_CACHE_BYTES, EngineOptions, default_cache_folder};
+use relievo_gpu::Front;
 
 use super::analysis::Analyses;
 use super::bookmarks::Bookmarks;
 use super::compare::Compare;
 use super::dialogs::{Dialog, Then};
 use super::document::Document;
+use super::governor::Governor;
 use super::graph::GraphView;
 use super::histogram::Histograms;
 use super::inbox::{Inbox, Waker};
@@ -127,6 +129,7 @@ pub struct Studio {
     pub(super) log: Log,
     pub(super) dragging: Dragging,
     pub(super) pace: Pace,
+    pub(super) governor: Governor,
     /// The camera of the picture that is shown.
     pub(super) drawn_camera: Option<Camera>,
     /// The layer whose file is being located.
@@ -145,7 +148,7 @@ pub struct Studio {
     /// The state of the file about whose change the user was asked.
     told_changed: Option<FileStamp>,
     restart: bool,
-    /// The stage does not fit the project's quality any more.
+    /// The stage's windows do not fit the project's quality any more.
     refit: bool,
     /// Largest colour windows that the device has room for, as far as is known.
     pub(super) most_window: u32,
@@ -195,6 +198,7 @@ impl Studio {
             log: Log::default(),
             dragging: Dragging::No,
             pace: Pace::default(),
+            governor: Governor::new(Front::measured()),
             drawn_camera: None,
             locating: None,
             recent: Recent::load(options.state_folder.as_deref()),

@@ -12,11 +12,13 @@ use glam::{DVec2, DVec3};
 use relievo_engine::analysis::Task;
 use relievo_engine::planet::MapPoint;
 use relievo_engine::planet::camera::FlyInput;
+use relievo_engine::project::Aim;
 use relievo_engine::{Frame, View};
-use relievo_gpu::{AdapterClass, RenderError};
+use relievo_gpu::{AdapterClass, Quality, RenderError};
 
 use super::action::Action;
 use super::compare::{Compare, Parts};
+use super::governor::{Occasion, Wish};
 use super::messages::Weight;
 use super::navigation::Hit;
 use super::pace::REST_S as PICTURE_REST_S;
@@ -180,12 +182,13 @@ impl Studio {
         let scale = ui.ctx().pixels_per_point();
         let full_px = [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
         let viewport_px = self.picture_size_px(ui, full_px);
-        let settings = &self.document.project().quality;
-        let quality = match &self.stage {
-            Some(stage) => stage.quality(),
-            None => picture::quality(settings, AdapterClass::Software),
+        self.govern(ui);
+        let (settings, chosen) = (&self.document.project().quality, self.governor.setting());
+        let fineness = match &self.stage {
+            Some(stage) => stage.fineness(settings, chosen),
+            None => picture::fineness(settings, AdapterClass::Software, chosen),
         };
-        let view = picture::view(*self.navigation.camera(), viewport_px, settings, &quality);
+        let view = picture::view(*self.navigation.camera(), viewport_px, &fineness);
         let label_view = View {
             viewport_px: full_px,
             ..view
@@ -199,7 +202,7 @@ impl Studio {
         };
         self.status.pending = frame.pending;
         if let Some(stage) = &mut self.stage {
-            match stage.draw(&frame, self.pace.rests()) {
+            match stage.draw(&frame, &fineness, self.pace.rests()) {
                 Ok(()) => {}
                 Err(RenderError::DeviceLost) => self.device_lost(ui.ctx()),
                 Err(RenderError::OutOfMemory(error)) => self.spend_less(error, ui.ctx()),
@@ -218,6 +221,8 @@ impl Studio {
                 self.status.gpu_ms = measured.map(|m| m.gpu_ms);
                 if let Some(measured) = measured {
                     self.pace.measured(measured.gpu_ms, measured.pixels as f64);
+                    let whole_px = full_px.map(f64::from).iter().product();
+                    self.governor.measured(measured, whole_px);
                 }
                 self.status.triangles = stage.stats().map_or(0, |s| s.triangles);
             }
@@ -235,6 +240,30 @@ impl Studio {
             // Tiles wake the window when they are there; this is for what does not.
             ui.ctx().request_repaint_after(Duration::from_millis(100));
         }
+    }
+
+    /// Chooses how finely is drawn, where the project leaves that to what is measured.
+    fn govern(&mut self, ui: &Ui) {
+        let settings = &self.document.project().quality;
+        let wish = match settings.aim {
+            Aim::Adapter => Wish::Adapter,
+            Aim::Error => Wish::ErrorPx(settings.error_px),
+            Aim::FrameTime => Wish::FrameMs(settings.frame_budget_ms),
+        };
+        let occasion = if self.dragging != Dragging::No || ui.input(|i| i.pointer.any_down()) {
+            Occasion::Dragged
+        } else if self.pace.rests() {
+            Occasion::Still
+        } else {
+            Occasion::Moving
+        };
+        let standard = match &self.stage {
+            Some(stage) => stage.standard(),
+            None => Quality::for_adapter(AdapterClass::Software),
+        };
+        let like = self.governor.front().like(&standard);
+        self.governor.follow(wish, like, occasion);
+        self.pace.allow(self.governor.budget_ms());
     }
 
     /// Size of the picture, which may be coarser than the view while something moves.

@@ -7,6 +7,7 @@ mod basics;
 mod drawing;
 mod keeping;
 mod panes;
+mod quality;
 mod shared;
 mod tutorial;
 mod vectors;

@@ -24,6 +24,7 @@ pub(crate) const FLATTENING: Range<f64> = range(0.0, 0.5);
 pub(crate) const EXAGGERATION: Range<f64> = range(0.0, 100.0);
 pub(crate) const TEXEL_PX: Range<f64> = range(0.25, 16.0);
 pub(crate) const MESH_DENSITY: Range<f64> = range(0.1, 10.0);
+pub(crate) const ERROR_PX: Range<f64> = range(0.01, 100.0);
 pub(crate) const FRAME_BUDGET_MS: Range<f64> = range(1.0, 1000.0);
 /// Also the limits of projected coordinates: far beyond any planet.
 pub(crate) const COORDINATE: Range<f64> = range(-1e10, 1e10);

@@ -125,14 +125,49 @@ fields! {
 fields! {
     /// How fine the picture is drawn.
     Quality {
+        /// What decides how fine the picture is drawn; `adapter` where left out.
+        aim: Option<Aim>,
+        /// Error on the screen in pixels that the aim `error` allows; 0.5 where left out.
+        error_px: Option<f64> = range::ERROR_PX,
         /// Samples along a side of a colour window; `auto` where left out.
         colour_window_samples: Option<ColourWindow>,
         /// Screen pixels that the finest texel should cover; 1 where left out.
         texel_px: Option<f64> = range::TEXEL_PX,
         /// Factor on the number of triangles of the automatic mesh; `auto` where left out.
         mesh_density: Option<MeshDensity>,
-        /// Time for one frame in milliseconds; 16 where left out.
+        /// Time on the graphics device in milliseconds that the aim `frame_time` allows a frame; 16 where left out.
         frame_budget_ms: Option<f64> = range::FRAME_BUDGET_MS,
+    }
+}
+
+/// What decides how fine the picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+pub(crate) enum Aim {
+    /// The graphics adapter, changed by `texel_px` and `mesh_density`.
+    Adapter,
+    /// The least cost at which errors stay below `error_px`.
+    Error,
+    /// The least error at which frames take no longer than `frame_budget_ms`.
+    FrameTime,
+}
+
+impl Stored for Aim {
+    fn read(value: Value, at: &At<'_>) -> Result<Self, Fault> {
+        match value.as_str() {
+            Some("adapter") => Ok(Self::Adapter),
+            Some("error") => Ok(Self::Error),
+            Some("frame_time") => Ok(Self::FrameTime),
+            _ => Err(at.fault("one of adapter error frame_time", describe(&value))),
+        }
+    }
+
+    fn write(&self) -> Value {
+        match self {
+            Self::Adapter => "adapter".into(),
+            Self::Error => "error".into(),
+            Self::FrameTime => "frame_time".into(),
+        }
     }
 }
 

@@ -25,8 +25,9 @@ impl Studio {
 
     pub(super) fn set_stage(&mut self, state: Option<&eframe::egui_wgpu::RenderState>) {
         let settings = &self.document.project().quality;
+        let chosen = self.governor.setting();
         let stage = state.ok_or_else(|| "the window has no graphics adapter".to_owned());
-        match stage.and_then(|state| Stage::new(state, settings, self.most_window)) {
+        match stage.and_then(|state| Stage::new(state, settings, chosen, self.most_window)) {
             Ok(stage) => {
                 stage.adapter().clone_into(&mut self.status.adapter);
                 (self.stage, self.stage_error) = (Some(stage), None);
@@ -36,13 +37,13 @@ impl Studio {
         self.document.engine_mut().forget_uploads();
     }
 
-    /// Makes the stage fit the project's quality.
+    /// Makes the stage's windows fit the project's quality; what else is spent follows with each frame.
     pub(super) fn fit_stage(&mut self) {
         let settings = &self.document.project().quality;
         self.refit = self
             .stage
             .as_ref()
-            .is_some_and(|s| s.quality_for(settings) != s.quality());
+            .is_some_and(|s| s.has_other_windows(settings));
     }
 
     pub(super) fn refit_stage(&mut self, frame: &eframe::Frame) {

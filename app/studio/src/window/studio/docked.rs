@@ -65,7 +65,7 @@ impl Studio {
                 self.bookmarks.show(ui, engine.project(), &camera, actions);
             }
             Pane::Inspector => self.inspect(ui, actions),
-            Pane::Scene => scene::show(ui, engine.project(), actions),
+            Pane::Scene => scene::show(ui, engine.project(), &self.governor, actions),
             Pane::History => history::show(ui, engine, actions),
             Pane::Messages => messages::show(ui, engine, &mut self.log, actions),
             Pane::Place => {

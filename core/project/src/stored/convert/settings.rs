@@ -6,7 +6,7 @@ use super::{Twin, unless_default};
 use crate::stored::fault::{At, Fault};
 use crate::stored::v1;
 use crate::stored::value::With;
-use crate::{Auto, Body, CameraSettings, PlanetSettings, Quality, Sun, SunAnchor};
+use crate::{Aim, Auto, Body, CameraSettings, PlanetSettings, Quality, Sun, SunAnchor};
 
 impl Twin for PlanetSettings {
     type Stored = With<v1::Planet>;
@@ -104,6 +104,12 @@ impl Twin for Quality {
         let With { fields, extra } = stored;
         let default = Self::default();
         Ok(Self {
+            aim: match fields.aim {
+                None | Some(v1::Aim::Adapter) => Aim::Adapter,
+                Some(v1::Aim::Error) => Aim::Error,
+                Some(v1::Aim::FrameTime) => Aim::FrameTime,
+            },
+            error_px: fields.error_px.unwrap_or(default.error_px),
             colour_window_samples: match fields.colour_window_samples {
                 None | Some(v1::ColourWindow::Auto) => Auto::Auto,
                 Some(v1::ColourWindow::Samples(samples)) => Auto::Value(samples),
@@ -122,6 +128,12 @@ impl Twin for Quality {
         let default = Self::default();
         With {
             fields: v1::Quality {
+                aim: match self.aim {
+                    Aim::Adapter => None,
+                    Aim::Error => Some(v1::Aim::Error),
+                    Aim::FrameTime => Some(v1::Aim::FrameTime),
+                },
+                error_px: unless_default(self.error_px, &default.error_px),
                 colour_window_samples: match self.colour_window_samples {
                     Auto::Auto => None,
                     Auto::Value(samples) => Some(v1::ColourWindow::Samples(samples)),
