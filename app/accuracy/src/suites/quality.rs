@@ -103,7 +103,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
     let bench = Bench {
         context,
         gpu,
-        size_px: context.pick([24, 72], [240, 720]),
+        size_px: context.pick([24, 72], [48, 720]),
     };
     let mut engine = open(context)?;
     let paths = Path::find(&engine, context)?;
@@ -147,7 +147,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
 }
 
 /// Places of a path that are looked from.
-const PLACES: usize = 3;
+const PLACES: usize = 1;
 
 fn draw(
     bench: &Bench,

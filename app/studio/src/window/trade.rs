@@ -22,11 +22,8 @@ const MARGIN: f64 = 0.12;
 pub(crate) fn show(ui: &mut Ui, governor: &Governor) {
     let text = told(governor);
     plot(ui, governor, &text);
-    ui.label(
-        RichText::new("● in use   × measured   ╌ wish")
-            .small()
-            .weak(),
-    );
+    let signs = "dot: in use, cross: measured, dashes: wish";
+    ui.label(RichText::new(signs).small().weak());
     ui.label(RichText::new(text).small());
 }
 

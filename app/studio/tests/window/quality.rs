@@ -33,9 +33,7 @@ impl Window {
     fn trade(&self) -> String {
         let start = "Error on the screen against time a frame";
         let plot = self.harness.query_all_by_role(Role::Image);
-        let labels = plot.filter_map(|node| node.accesskit_node().label());
-        labels
-            .map(|label| label.clone())
+        plot.filter_map(|node| node.accesskit_node().label())
             .find(|label| label.starts_with(start))
             .unwrap()
     }
