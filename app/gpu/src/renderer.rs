@@ -188,8 +188,8 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`]; everything stays as it was.
     pub fn set_quality(&mut self, quality: Quality) -> Result<(), MeshStepsError> {
-        let steps = |q: &Quality| (q.azimuth_steps, q.radial_steps);
-        if steps(&quality) != steps(&self.quality) {
+        let mesh = |q: &Quality| (q.azimuth_steps, q.radial_steps, q.layout);
+        if mesh(&quality) != mesh(&self.quality) {
             self.mesh = MeshBuffers::new(&self.device, &quality)?;
             self.displace_group = self
                 .displace

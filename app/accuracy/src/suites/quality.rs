@@ -3,6 +3,8 @@
 
 mod pixels;
 
+use core::cell::OnceCell;
+
 use relievo_engine::Engine;
 use relievo_gpu::quality::front::COLUMNS;
 use relievo_gpu::{FrontPoint, Gpu, Quality, Setting, Still};
@@ -104,6 +106,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
         context,
         gpu,
         size_px: context.pick([24, 72], [48, 720]),
+        truth: OnceCell::new(),
     };
     let mut engine = open(context)?;
     let paths = Path::find(&engine, context)?;
