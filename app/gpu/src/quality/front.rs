@@ -62,7 +62,7 @@ impl Setting {
 pub struct FrontPoint {
     /// The setting.
     pub setting: Setting,
-    /// Error on the screen in pixels: 95 in 100 pixels of ground have less.
+    /// Error on the screen in pixels: 9 in 10 pixels of ground have less.
     pub error_px: f64,
     /// Milliseconds a frame on the machine that measured: a cost to be compared with others', not a
     /// time on another machine.

@@ -148,7 +148,7 @@ fn plot(ui: &mut Ui, governor: &Governor, text: &str) {
         .response
         .widget_info(|| WidgetInfo::labeled(Role::Image, true, &described));
     response.response.on_hover_text(
-        "Error on the screen of the measured settings of quality (95 in 100 pixels have less), against the \
+        "Error on the screen of the measured settings of quality (9 in 10 pixels have less), against the \
          time that they should take here",
     );
 }

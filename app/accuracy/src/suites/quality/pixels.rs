@@ -1,13 +1,15 @@
 //! Pixels of pictures, each with what decides its error.
 
+use glam::DVec2;
 use relievo_engine::Offset;
 use relievo_engine::planet::clipmap::choose::MAX_ANISOTROPY;
+use relievo_engine::planet::clipmap::view::View;
 use relievo_gpu::{Setting, Still};
 
 use crate::SuiteError;
 
 /// Share of the pixels of ground whose error is less than what is told.
-const SHARE: f64 = 0.95;
+const SHARE: f64 = 0.9;
 
 /// A pixel that shows ground.
 #[derive(Clone, Copy, Debug)]
@@ -30,28 +32,29 @@ impl Pixels {
         let depths = still.renderer.read_distances();
         let depths = depths.map_err(|error| SuiteError::System(error.to_string()))?;
         let frame = &still.frame;
+        let view = View::new(&frame.camera, &frame.planet, frame.viewport_px);
         let [width, height] = frame.viewport_px.map(f64::from);
-        let half_height = libm::tan(0.5 * frame.camera.fov_y_rad);
         let nearest = depths.iter().copied().fold(f32::INFINITY, f32::min);
         let columns = frame.viewport_px[0].max(1) as usize;
         for (i, (depth, offset)) in depths.iter().zip(offsets).enumerate() {
             if !(depth.is_finite() && offset.screen_px.is_finite()) {
                 continue;
             }
-            let x = ((i % columns) as f64 + 0.5 - 0.5 * width) * 2.0 / height * half_height;
-            let y = ((i / columns) as f64 + 0.5 - 0.5 * height) * 2.0 / height * half_height;
-            let depth = f64::from(*depth);
-            let way_m = depth * libm::sqrt(1.0 + x * x + y * y);
+            let x = ((i % columns) as f64 + 0.5) / width * 2.0 - 1.0;
+            let y = 1.0 - ((i / columns) as f64 + 0.5) / height * 2.0;
+            let (ray, depth) = (view.ray(DVec2::new(x, y)), f64::from(*depth));
+            let up = (view.eye + ray * depth).normalize();
+            let sin_grazing = -ray.normalize().dot(up);
             self.0.push(Pixel {
                 ground_px: offset.screen_px,
                 nearness: f64::from(nearest) / depth,
-                anisotropy: (way_m / frame.plan.clearance_m).clamp(1.0, MAX_ANISOTROPY),
+                anisotropy: 1.0 / sin_grazing.clamp(1.0 / MAX_ANISOTROPY, 1.0),
             });
         }
         Ok(())
     }
 
-    /// What 95 in 100 pixels have less of, with a filter; 0 without pixels.
+    /// What 9 in 10 pixels have less of, with a filter; 0 without pixels.
     pub(super) fn error_px(&self, filter: &Setting) -> f64 {
         let taps = f64::from(filter.max_taps);
         let error = |pixel: &Pixel| {
@@ -102,13 +105,13 @@ mod tests {
     }
 
     #[test]
-    fn five_in_a_hundred_may_be_worse() {
+    fn one_in_ten_may_be_worse() {
         let of = |ground_px| Pixel {
             ground_px,
             nearness: 1.0,
             anisotropy: 1.0,
         };
         let pixels = Pixels((0..101).map(|k| of(f64::from(k))).collect());
-        assert_eq!(pixels.error_px(&filter(8, 1.0)), 95.0);
+        assert_eq!(pixels.error_px(&filter(8, 1.0)), 90.0);
     }
 }
