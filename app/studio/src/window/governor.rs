@@ -66,10 +66,11 @@ pub(crate) struct Governor {
     at: Option<usize>,
     /// What draws while it is beside the front is like this setting.
     like: usize,
-    /// The latest frames' milliseconds, either all of whole pictures or all of coarser ones.
-    times_ms: VecDeque<f64>,
-    whole: bool,
+    /// Milliseconds of the latest frames, as of a whole picture, and whether they were of one.
+    times_ms: VecDeque<(f64, bool)>,
     latest: Option<FrameTime>,
+    /// What it would have taken for a whole picture.
+    latest_ms: Option<f64>,
     not_yet: u32,
     /// Milliseconds here for one of cost.
     scale: Option<f64>,
@@ -90,8 +91,8 @@ impl Governor {
             at: None,
             like: 0,
             times_ms: VecDeque::new(),
-            whole: true,
             latest: None,
+            latest_ms: None,
             not_yet: 0,
             scale: None,
             learned: vec![1.0; front.points().len()],
@@ -125,9 +126,20 @@ impl Governor {
         self.at.is_some()
     }
 
+    /// What the latest frame took, or would have taken for all pixels, milliseconds.
+    pub(crate) fn latest_ms(&self) -> Option<f64> {
+        self.latest_ms
+    }
+
     /// What a picture of all pixels took lately, milliseconds.
     pub(crate) fn measured_ms(&self) -> Option<f64> {
-        median(&self.times_ms)
+        // Few pixels say less: triangles take the same time for them.
+        let whole = self.times_ms.iter().filter(|(_, whole)| *whole);
+        if whole.clone().count() >= ENOUGH {
+            median(whole)
+        } else {
+            median(self.times_ms.iter())
+        }
     }
 
     /// What each setting should take here, milliseconds; `None` while no frame was measured.
@@ -150,27 +162,20 @@ impl Governor {
         let is_new = self.latest.is_none_or(|l| l.number != frame.number);
         let pixels = frame.pixels as f64;
         let whole_ms = frame.gpu_ms * whole_px / pixels;
-        if !is_new || !(whole_ms.is_finite() && whole_ms > 0.0) {
+        if !(is_new && whole_ms.is_finite() && whole_ms > 0.0) {
             return;
         }
         self.latest = Some(frame);
+        self.latest_ms = Some(whole_ms);
         if self.not_yet > 0 {
             self.not_yet -= 1;
             return;
         }
         let whole = (pixels / whole_px - 1.0).abs() < 0.01;
-        if whole != self.whole {
-            // Few pixels say less: triangles take the same time for them.
-            if !whole && !self.times_ms.is_empty() {
-                return;
-            }
-            self.times_ms.clear();
-            self.whole = whole;
-        }
         if self.times_ms.len() == FRAMES {
             self.times_ms.pop_front();
         }
-        self.times_ms.push_back(whole_ms);
+        self.times_ms.push_back((whole_ms, whole));
         self.judge();
     }
 
@@ -220,11 +225,18 @@ impl Governor {
         (truer > at).then_some(truer)
     }
 
-    /// Learns from what the present setting takes.
+    /// Takes in what the present setting takes.
     fn judge(&mut self) {
-        let Some(ms) = self.measured_ms().filter(|_| self.times_ms.len() >= ENOUGH) else {
+        let Some(ms) = self.measured_ms() else {
             return;
         };
+        if self.times_ms.len() >= ENOUGH {
+            self.learn(ms);
+        }
+        self.scale = Some(ms / self.cost(self.index()));
+    }
+
+    fn learn(&mut self, ms: f64) {
         if let (Some((before, expected_ms)), Some(at)) = (self.expected.take(), self.at) {
             // Settings still farther from the one before are beside the present one as they were.
             let beyond = if before < at {
@@ -242,7 +254,6 @@ impl Governor {
             self.learned.fill(1.0);
             self.judged_ms = Some(ms);
         }
-        self.scale = Some(ms / self.cost(self.index()));
     }
 
     fn turn_to(&mut self, at: Option<usize>) {
@@ -265,8 +276,8 @@ impl Governor {
     }
 }
 
-fn median(times: &VecDeque<f64>) -> Option<f64> {
-    let mut sorted: Vec<f64> = times.iter().copied().collect();
+fn median<'a>(times: impl Iterator<Item = &'a (f64, bool)>) -> Option<f64> {
+    let mut sorted: Vec<f64> = times.map(|(ms, _)| *ms).collect();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied()
 }
@@ -472,19 +483,13 @@ mod tests {
             governor.measured(frame, PIXELS as f64);
         }
         assert_eq!(governor.measured_ms(), Some(40.0));
-        for number in 10..13 {
-            let whole = FrameTime {
+        for number in 10..10 + ENOUGH as u64 {
+            let frame = FrameTime {
                 gpu_ms: 25.0,
                 pixels: PIXELS,
                 number,
             };
-            governor.measured(whole, PIXELS as f64);
-            let few = FrameTime {
-                gpu_ms: 10.0,
-                pixels: PIXELS / 4,
-                number: number + 100,
-            };
-            governor.measured(few, PIXELS as f64);
+            governor.measured(frame, PIXELS as f64);
         }
         assert_eq!(governor.measured_ms(), Some(25.0));
     }

@@ -5,8 +5,7 @@ use core::ops::RangeInclusive;
 
 use eframe::egui::{RichText, Role, Ui, WidgetInfo};
 use egui_plot::{
-    GridInput, GridMark, HLine, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoints, Points,
-    VLine,
+    GridMark, HLine, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoints, Points, VLine,
 };
 use relievo_gpu::FrontPoint;
 
@@ -22,7 +21,7 @@ const MARGIN: f64 = 0.12;
 pub(crate) fn show(ui: &mut Ui, governor: &Governor) {
     let text = told(governor);
     plot(ui, governor, &text);
-    let signs = "dot: in use, cross: measured, dashes: wish";
+    let signs = "dot: in use, cross: latest frame, dashes: wish";
     ui.label(RichText::new(signs).small().weak());
     ui.label(RichText::new(text).small());
 }
@@ -64,7 +63,7 @@ fn plot(ui: &mut Ui, governor: &Governor, text: &str) {
     let ms = |i: usize, p: &FrontPoint| governor.estimate_ms(i).unwrap_or(p.frame_ms);
     let on_plot = |i: usize| [ms(i, &points[i]).log10(), points[i].error_px.log10()];
     let front: Vec<[f64; 2]> = (0..points.len()).map(on_plot).collect();
-    let measured = governor.measured_ms();
+    let latest = governor.latest_ms();
     let (mut low, mut high) = (front[0], front[0]);
     let mut take_in = |at: [Option<f64>; 2]| {
         for axis in 0..2 {
@@ -76,7 +75,7 @@ fn plot(ui: &mut Ui, governor: &Governor, text: &str) {
     for [x, y] in &front {
         take_in([Some(*x), Some(*y)]);
     }
-    take_in([measured.map(f64::log10), None]);
+    take_in([latest.map(f64::log10), None]);
     let wish = match governor.wish() {
         Wish::Adapter => [None, None],
         Wish::ErrorPx(px) => [None, Some(px.log10())],
@@ -107,8 +106,8 @@ fn plot(ui: &mut Ui, governor: &Governor, text: &str) {
         .show_y(false)
         .x_axis_label(RichText::new(axis).small())
         .y_axis_label(RichText::new("error, px").small())
-        .x_grid_spacer(decades)
-        .y_grid_spacer(decades)
+        .x_grid_spacer(|input| decades(input.bounds))
+        .y_grid_spacer(|input| decades(input.bounds))
         .x_axis_formatter(tick)
         .y_axis_formatter(tick)
         .show(ui, |plot| {
@@ -138,9 +137,9 @@ fn plot(ui: &mut Ui, governor: &Governor, text: &str) {
             );
             plot.points(Points::new("settings", front).color(line).radius(2.0));
             plot.points(Points::new("in use", vec![at]).color(accent).radius(5.0));
-            if let Some(ms) = measured {
-                let measured = Points::new("measured", vec![[ms.log10(), at[1]]]);
-                let cross = measured.shape(MarkerShape::Cross).filled(false);
+            if let Some(ms) = latest {
+                let latest = Points::new("latest frame", vec![[ms.log10(), at[1]]]);
+                let cross = latest.shape(MarkerShape::Cross).filled(false);
                 plot.points(cross.color(strong).radius(6.0));
             }
         });
@@ -153,21 +152,27 @@ fn plot(ui: &mut Ui, governor: &Governor, text: &str) {
     );
 }
 
-/// Marks at 1, 2 and 5 of every power of ten; the axis counts powers of ten.
-fn decades(input: GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
+/// Marks at every power of ten, with 2 and 5 of each where there is room; the axis counts powers of ten.
+fn decades((low, high): (f64, f64)) -> Vec<GridMark> {
     if !(high - low).is_finite() || high - low > 20.0 {
         return Vec::new();
     }
+    let factors: &[f64] = if high - low < 2.5 {
+        &[1.0, 2.0, 5.0]
+    } else {
+        &[1.0]
+    };
     let powers = low.floor() as i32..=high.ceil() as i32;
-    let marks = powers.flat_map(|power| {
-        let at = move |factor: f64| f64::from(power) + factor.log10();
-        [(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)].map(|(factor, step_size)| GridMark {
-            value: at(factor),
-            step_size,
-        })
+    let values = powers.flat_map(|power| {
+        let of = move |factor: &f64| f64::from(power) + factor.log10();
+        factors.iter().map(of)
     });
-    marks.filter(|m| (low..=high).contains(&m.value)).collect()
+    let inside = values.filter(|value| (low..=high).contains(value));
+    let mark = |value| GridMark {
+        value,
+        step_size: 1.0,
+    };
+    inside.map(mark).collect()
 }
 
 fn tick(mark: GridMark, _: &RangeInclusive<f64>) -> String {
