@@ -97,7 +97,7 @@ fn footprint_of(dx: vec2f, dy: vec2f, size_rad: f32) -> Footprint {
 // What the ground's textures say.
 struct Ground {
     colour: vec4f,
-    east_north: vec2f, // of the unit normal
+    stereographic: vec2f, // coordinates of the unit normal
 }
 
 // Means of a level's texels along the footprint's major axis.
@@ -117,10 +117,10 @@ fn filtered(level: u32, delta: vec2f, axis: vec2f, length_rad: f32, colour: bool
             sum.colour += textureSampleLevel(colours, wrapping, place, layer, 0.0);
         }
         if (normal) {
-            sum.east_north += textureSampleLevel(normals, wrapping, place, layer, 0.0).xy;
+            sum.stereographic += textureSampleLevel(normals, wrapping, place, layer, 0.0).xy;
         }
     }
-    return Ground(sum.colour / taps, sum.east_north / taps);
+    return Ground(sum.colour / taps, sum.stereographic / taps);
 }
 
 // The levels of a choice, mixed. `chance`: 0 to 1, even over neighbouring pixels.
@@ -143,12 +143,12 @@ fn mixed(
     if (choice.coarse_weight < 1.0) {
         let fine = filtered(first + choice.fine, delta, axis, length_rad, colour, normal);
         let weight = 1.0 - choice.coarse_weight;
-        value = Ground(weight * fine.colour, weight * fine.east_north);
+        value = Ground(weight * fine.colour, weight * fine.stereographic);
     }
     if (choice.coarse_weight > 0.0) {
         let coarse = filtered(first + choice.coarse, delta, axis, length_rad, colour, normal);
         let weight = choice.coarse_weight;
-        value = Ground(value.colour + weight * coarse.colour, value.east_north + weight * coarse.east_north);
+        value = Ground(value.colour + weight * coarse.colour, value.stereographic + weight * coarse.stereographic);
     }
     return value;
 }
@@ -188,7 +188,7 @@ fn terrain_fragment(in: Varyings) -> @location(0) vec4f {
             let read = mixed(stack.first, choice, delta, footprint, axis, chance, true, SHARED_LEVELS);
             colour = read.colour;
             if (SHARED_LEVELS) {
-                normal = ground_normal(read.east_north, east, north, up);
+                normal = ground_normal(read.stereographic, east, north, up);
             }
         }
     }
@@ -197,7 +197,7 @@ fn terrain_fragment(in: Varyings) -> @location(0) vec4f {
         let choice = colour_level_for(stack, footprint.minor_rad, delta);
         if (choice.fine != NO_LEVEL) {
             let read = mixed(stack.first, choice, delta, footprint, axis, chance, false, true);
-            normal = ground_normal(read.east_north, east, north, up);
+            normal = ground_normal(read.stereographic, east, north, up);
         }
     }
 

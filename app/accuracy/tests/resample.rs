@@ -29,7 +29,7 @@ fn kernels_places_and_poles_are_as_exact_as_they_state() {
     // Places keep their tolerance.
     let places = errors("places", "interpolated in cells of 16 samples");
     for (found, tolerance) in places.iter().zip([1e-4, 0.002, 0.02, 0.125, 0.5]) {
-        assert!(*found <= tolerance * 1.5, "{places:?}");
+        assert!(*found <= tolerance + 3e-5, "{places:?}");
     }
     assert!(places[4] > places[0], "{places:?}");
     // About a pole a kernel that may not widen along rows is wrong; the one that is shown with is not.

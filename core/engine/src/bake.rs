@@ -14,7 +14,7 @@ use relievo_raster::file::Georeference;
 use relievo_raster::write::{
     CogLayout, CogSamples, CogWork, Png, WriteError, write_cog, write_png,
 };
-use relievo_raster::{Bands, Block, Cancel, PixelRect};
+use relievo_raster::{Bands, Block, Cancel, PixelRect, normal};
 
 use crate::query::Questions;
 
@@ -281,10 +281,9 @@ fn shown_normals(normals: &Block) -> Block {
     let mut picture = Block::new(Bands::Colour, normals.width(), normals.height());
     let (east, north) = (normals.plane(0).to_vec(), normals.plane(1).to_vec());
     let [red, green, blue, alpha] = picture.planes_mut();
-    for (i, (e, n)) in east.into_iter().zip(north).enumerate() {
-        red[i] = 0.5 + 0.5 * e;
-        green[i] = 0.5 + 0.5 * n;
-        blue[i] = 0.5 + 0.5 * (1.0 - e * e - n * n).max(0.0).sqrt();
+    for (i, (x, y)) in east.into_iter().zip(north).enumerate() {
+        let unit = normal::unit([x, y]).as_vec3();
+        [red[i], green[i], blue[i]] = (0.5 + 0.5 * unit).to_array();
         alpha[i] = 1.0;
     }
     picture

@@ -10,7 +10,8 @@ pub enum Bands {
     Colour,
     /// One plane: weight 0 to 1.
     Mask,
-    /// Two planes: east and north component of the unit surface normal; up is √(1 − e² − n²).
+    /// Two planes: stereographic coordinates of the unit surface normal towards east and north, see
+    /// [`normal`](crate::normal).
     Normal,
 }
 

@@ -11,6 +11,7 @@ pub mod crs;
 pub mod edge;
 pub mod file;
 pub mod kernel;
+pub mod normal;
 pub mod open;
 pub mod power;
 pub mod reduce;

@@ -2,7 +2,7 @@
 
 pub(crate) mod ratio;
 
-use crate::{Bands, Block, colour};
+use crate::{Bands, Block, colour, normal};
 
 /// The block at half the size, rounded up: each sample covers two by two samples of `block`; where
 /// a side is odd, the last column or row covers what is there.
@@ -76,12 +76,9 @@ fn halve_normals(block: &Block, out: &mut Block) {
     for_each_quad(block.width(), east.len(), |o, quad| {
         let mut sum = glam::DVec3::ZERO;
         for i in quad {
-            let (e, n) = (f64::from(east[*i]), f64::from(north[*i]));
-            sum += glam::DVec3::new(e, n, (1.0 - e * e - n * n).max(0.0).sqrt());
+            sum += normal::unit([east[*i], north[*i]]);
         }
-        let unit = sum.normalize_or(glam::DVec3::Z);
-        out_east[o] = unit.x as f32;
-        out_north[o] = unit.y as f32;
+        [out_east[o], out_north[o]] = normal::coordinates(sum);
     });
 }
 

@@ -80,7 +80,8 @@ pub enum Sample {
     Normal(Normal),
 }
 
-/// East and north component of a unit surface normal; (0, 0) is level ground.
+/// Stereographic coordinates of a unit surface normal towards east and north, see [`normal`](crate::normal);
+/// (0, 0) is level ground.
 pub type Normal = [f16; 2];
 
 /// The samples of a tile: row by row from the north, interleaved.

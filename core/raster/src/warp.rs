@@ -12,6 +12,7 @@
 
 mod cells;
 mod coverage;
+mod places;
 mod plane;
 mod window;
 
@@ -75,8 +76,8 @@ pub enum Coverage {
 /// other values are for measurements (`relievo report --suite resample`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approximation {
-    /// Largest error of places that are interpolated instead of projected, in pixels of the level that is
-    /// read; 0 projects every sample of a curved grid.
+    /// Largest error of places that are interpolated instead of projected, as a distance in pixels of the
+    /// level that is read; 0 projects every sample of a curved grid.
     pub tolerance_px: f64,
     /// Widest kernel along a row in pixels of the level that is read, at least 1; wider ones (about a
     /// pole) read a coarser level, which makes rows coarser too within 0.1° of it, and bounds the cost.
@@ -218,7 +219,7 @@ impl Warp {
             let (mut x, mut y): (Lane, Lane) = ([0.0; LANES], [0.0; LANES]);
             for row in 0..part.height() as usize {
                 patch.places.row(
-                    patch.rect.width() as usize,
+                    (patch.rect.width() as usize, patch.rect.height() as usize),
                     in_patch.x,
                     in_patch.y + row,
                     &mut x,
@@ -384,12 +385,12 @@ fn sample_patch(
             && low[1] <= 0.0
             && high[0] >= size[0]
             && high[1] >= size[1]
-            && matches!(patch.places, cells::Places::Corners(_))
+            && !matches!(patch.places, places::Places::Each(_))
     };
     let out_width = out.width();
     for row in 0..part.height() as usize {
         patch.places.row(
-            patch.rect.width() as usize,
+            (patch.rect.width() as usize, patch.rect.height() as usize),
             in_patch.x,
             in_patch.y + row,
             &mut x,

@@ -11,11 +11,14 @@ fn meridian_from_focus(direction: vec3f, sin_cos_colat: vec2f) -> vec3f {
     return vec3f(s * direction.z + c * direction.x, direction.y, c * direction.z - s * direction.x);
 }
 
-// Unit normal of the ground from its east and north components, steepened with the heights.
-fn ground_normal(east_north: vec2f, east: vec3f, north: vec3f, up: vec3f) -> vec3f {
-    let upward = sqrt(max(1.0 - dot(east_north, east_north), 1e-4));
-    let tilt = east_north * frame.exaggeration;
-    return normalize(east * tilt.x + north * tilt.y + up * upward);
+// Unit normal of the ground from its stereographic coordinates, (east, north) / (1 + up), steepened
+// with the heights.
+fn ground_normal(stereographic: vec2f, east: vec3f, north: vec3f, up: vec3f) -> vec3f {
+    // Means of coordinates lie within the unit disc; only what rounds beyond it would overhang.
+    let upward = max(1.0 - dot(stereographic, stereographic), 0.0);
+    let tilt = 2.0 * stereographic * frame.exaggeration;
+    // Nothing is left of a wall that is drawn without height.
+    return normalize(east * tilt.x + north * tilt.y + up * max(upward, 1e-6));
 }
 
 // Factor on the ground's colour. Level ground under a high sun gets 1, so imagery keeps its look.

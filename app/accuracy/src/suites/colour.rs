@@ -117,7 +117,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
     let mut engine = open(context)?;
     let shots = shots(&engine, context)?;
     let settings = settings(context, gpu);
-    let size_px = context.pick([48, 36], [480, 320]);
+    let size_px = context.pick([96, 72], [480, 320]);
     let mut report = Report::default();
     let (mut rows, mut foci) = (Vec::new(), Vec::new());
     let (each, steps) = (settings.len() + 1, shots.len() * (settings.len() + 1));

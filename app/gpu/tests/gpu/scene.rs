@@ -9,7 +9,7 @@ use relievo_engine::planet::clipmap::{
     HeightRange, LevelPlan, PlanInput, Planner, Quality as PlanQuality, valid_rect,
 };
 use relievo_engine::planet::{Camera, MapPoint, Planet, TILE_SAMPLES, TileKey};
-use relievo_engine::raster::{Bands, Block, SampleType, Tile};
+use relievo_engine::raster::{Bands, Block, SampleType, Tile, normal};
 use relievo_engine::{ClipKind, Frame, LevelView, Sun, Upload};
 use relievo_gpu::{FrameStats, Gpu, Picture, Quality, Renderer};
 
@@ -176,8 +176,8 @@ fn tile(world: &World, kind: ClipKind, key: TileKey) -> Tile {
                 }
                 ClipKind::Normal => {
                     let normal = normal(world, point, key.level.step_rad().y);
-                    put(0, normal.x as f32);
-                    put(1, normal.y as f32);
+                    put(0, normal[0]);
+                    put(1, normal[1]);
                 }
             }
         }
@@ -185,8 +185,8 @@ fn tile(world: &World, kind: ClipKind, key: TileKey) -> Tile {
     Tile::from_block(&block, bands.1)
 }
 
-/// East and north component of the normal by differences over one sample.
-fn normal(world: &World, point: MapPoint, step_rad: f64) -> DVec2 {
+/// Coordinates of the normal by differences over one sample.
+fn normal(world: &World, point: MapPoint, step_rad: f64) -> [f32; 2] {
     let at = relievo_engine::planet::clipmap::view::FocusFrame::at(point);
     let height = |d: DVec3| (world.height)((at.up + d * step_rad).normalize());
     let run_m = 2.0 * step_rad * world.planet.radius_m;
@@ -194,7 +194,7 @@ fn normal(world: &World, point: MapPoint, step_rad: f64) -> DVec2 {
         height(at.east) - height(-at.east),
         height(-at.south) - height(at.south),
     ) / run_m;
-    -slope / (1.0 + slope.length_squared()).sqrt()
+    normal::coordinates((-slope).extend(1.0))
 }
 
 /// Draws a frame with a renderer and waits for the picture.

@@ -8,7 +8,7 @@ use relievo_analysis::{AnalysisError, LocalFrame, MapBox};
 use relievo_graph::NodeIndex;
 use relievo_planet::{Grid, GridCrs, Lattice, MapPoint, Planet, SampleRect};
 use relievo_raster::colour::to_u8;
-use relievo_raster::{Block, Cancel};
+use relievo_raster::{Block, Cancel, normal};
 
 use super::ground::failed;
 use crate::scene::Scene;
@@ -213,10 +213,8 @@ fn light(normals: &Block) -> Vec<f32> {
     let (east, north) = (normals.plane(0), normals.plane(1));
     east.iter()
         .zip(north)
-        .map(|(e, n)| {
-            let (e, n) = (f64::from(*e), f64::from(*n));
-            let up = (1.0 - e * e - n * n).max(0.0).sqrt();
-            let facing = DVec3::new(e, n, up).dot(sun).max(0.0) / sun.z;
+        .map(|(x, y)| {
+            let facing = normal::unit([*x, *y]).dot(sun).max(0.0) / sun.z;
             (0.35 + 0.65 * facing).min(1.3) as f32
         })
         .collect()

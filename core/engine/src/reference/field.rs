@@ -28,7 +28,7 @@ pub(super) trait Field: Sync {
     /// Straight colours, sRGB encoded; `None` when nothing colours the ground.
     fn colours(&self, grid: &Grid, cancel: &Cancel) -> Result<Option<Block>, RenderError>;
 
-    /// East and north of the unit normals without exaggeration; `None` when nothing is lit.
+    /// Normals without exaggeration; `None` when nothing is lit.
     fn normals(&self, grid: &Grid, cancel: &Cancel) -> Result<Option<Block>, RenderError>;
 
     /// Finest level n of the data.

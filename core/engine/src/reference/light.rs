@@ -14,7 +14,6 @@ pub(super) const BARE_GROUND: DVec3 = DVec3::new(0.23, 0.22, 0.20);
 pub(super) fn steepened(normal: DVec3, up: DVec3, exaggeration: f64) -> DVec3 {
     let upward = normal.dot(up);
     let tilt = normal - up * upward;
-    let upward = (1.0 - tilt.length_squared()).max(1e-4).sqrt();
     (tilt * exaggeration + up * upward).normalize_or(up)
 }
 

@@ -12,7 +12,7 @@ use parking_lot::Mutex;
 use relievo_graph::RenderError;
 use relievo_planet::MapPoint;
 use relievo_raster::colour::linear_from_srgb;
-use relievo_raster::{Bands, Block, Cancel};
+use relievo_raster::{Bands, Block, Cancel, normal};
 
 use super::field::{CELLS, Field, PatchKey, Spot};
 use super::light::BARE_GROUND;
@@ -154,9 +154,8 @@ impl Look {
             let world = |i: usize| {
                 let (x, y) = ((i % SIDE) as f64, (i / SIDE) as f64);
                 let local = Local::at(key.map_point(x, y).normalised());
-                let (e, n) = (f64::from(block.plane(0)[i]), f64::from(block.plane(1)[i]));
-                let up = (1.0 - e * e - n * n).max(0.0).sqrt();
-                let normal = local.east * e + local.north * n + local.up * up;
+                let unit = normal::unit([block.plane(0)[i], block.plane(1)[i]]);
+                let normal = local.east * unit.x + local.north * unit.y + local.up * unit.z;
                 normal.as_vec3().to_array()
             };
             (0..count).map(world).collect()

@@ -1,7 +1,7 @@
 //! Lines of equal height, drawn as colour.
 
 use relievo_planet::{Grid, GridCrs, Planet};
-use relievo_raster::{Bands, Block};
+use relievo_raster::{Bands, Block, normal};
 
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
 
@@ -140,9 +140,7 @@ impl Lines {
 
     /// One sample.
     fn colour(&self, height_m: f32, east: f32, north: f32) -> [f32; 4] {
-        let (east, north) = (f64::from(east), f64::from(north));
-        let sine_sq = (east * east + north * north).min(1.0 - 1e-9);
-        let rise_m = (sine_sq / (1.0 - sine_sq)).sqrt() * self.sample_m;
+        let rise_m = normal::rise([east, north]) * self.sample_m;
         let alpha = self.cover(f64::from(height_m), rise_m);
         // Also where the height is missing.
         if alpha > 0.0 {
@@ -172,6 +170,10 @@ fn lines(height_m: f64, rise_m: f64, interval_m: f64, base_m: f64, width: f32) -
 impl ImageNode for ContourLines {
     fn kind(&self) -> &'static str {
         "contour lines"
+    }
+
+    fn version(&self) -> u32 {
+        2
     }
 
     fn output(&self) -> Bands {

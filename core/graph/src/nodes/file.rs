@@ -93,7 +93,7 @@ impl ImageNode for FileSource {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn output(&self) -> Bands {

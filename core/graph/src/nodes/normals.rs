@@ -2,6 +2,7 @@
 
 use glam::I64Vec2;
 use relievo_planet::{Grid, GridCrs, Planet, SampleRect};
+use relievo_raster::normal::coordinates_of_slope;
 use relievo_raster::vector::on_widest;
 use relievo_raster::{Bands, Block};
 
@@ -10,14 +11,14 @@ use crate::{IdHasher, ImageNode, Job, Known, RenderError};
 
 const KIND: &str = "normals";
 
-/// East and north component of the unit normal of the surface of heights, in the local frame of
-/// each sample. Input: heights.
+/// The unit normal of the surface of heights in the local frame of each sample, as the coordinates of
+/// [`relievo_raster::normal`]. Input: heights.
 ///
 /// With e the exaggeration, the slopes are central differences over the distance on the ellipsoid
 /// (M towards north, N sin θ towards east), at height 0:
 ///
 /// - zx = e (h east − h west) / (2 Δx), zy = e (h north − h south) / (2 Δy)
-/// - normal = (−zx, −zy, 1) / √(1 + zx² + zy²)
+/// - normal ∝ (−zx, −zy, 1)
 ///
 /// Where one neighbour has no height the difference is one-sided, where nothing is left the ground
 /// counts as level. On a level of many columns near a pole Δx goes to 0 with sin θ while Δy does not:
@@ -54,14 +55,6 @@ fn difference(before: f32, here: f32, after: f32) -> f32 {
     if any.is_nan() { 0.0 } else { any }
 }
 
-#[inline(always)]
-fn normal(zx: f32, zy: f32) -> (f32, f32) {
-    // The steepest finite slopes must not overflow to NaN.
-    let (zx, zy) = (zx.clamp(-1e18, 1e18), zy.clamp(-1e18, 1e18));
-    let up = 1.0 / (1.0 + zx * zx + zy * zy).sqrt();
-    (0.0 - zx * up, 0.0 - zy * up)
-}
-
 /// A row of heights with one more sample on either side, between the rows north and south of it.
 struct Rows<'a> {
     north: &'a [f32],
@@ -76,7 +69,7 @@ impl Rows<'_> {
         &self,
         east: &mut [f32],
         north: &mut [f32],
-        each: impl Fn(f32, f32) -> (f32, f32),
+        each: impl Fn(f32, f32) -> [f32; 2],
     ) {
         let width = east.len();
         let (west, here, right) = (
@@ -88,7 +81,7 @@ impl Rows<'_> {
         for i in 0..width {
             let across = difference(west[i], here[i], right[i]);
             let down = difference(above[i], here[i], below[i]);
-            (east[i], north[i]) = each(across, down);
+            [east[i], north[i]] = each(across, down);
         }
     }
 }
@@ -96,6 +89,10 @@ impl Rows<'_> {
 impl ImageNode for Normals {
     fn kind(&self) -> &'static str {
         KIND
+    }
+
+    fn version(&self) -> u32 {
+        2
     }
 
     fn output(&self) -> Bands {
@@ -172,16 +169,16 @@ impl ImageNode for Normals {
                     #[inline(always)]
                     || {
                         rows.differences(east, north, |across, down| {
-                            normal(across * per_x, down * per_y)
+                            coordinates_of_slope(across * per_x, down * per_y)
                         });
                     },
                 );
             } else {
-                rows.differences(east, north, |across, down| (across, down));
+                rows.differences(east, north, |across, down| [across, down]);
                 for (i, (east, north)) in east.iter_mut().zip(north).enumerate() {
                     let steps =
                         ground.steps_m(&self.planet, I64Vec2::new(rect.min.x + i as i64, y));
-                    (*east, *north) = steps.map_or((0.0, 0.0), |[column, down]| {
+                    [*east, *north] = steps.map_or([0.0; 2], |[column, down]| {
                         // Slopes g with g · column step = one difference, g · row step = the other.
                         let (a, b) = (
                             f64::from(*east) * self.exaggeration,
@@ -193,9 +190,9 @@ impl ImageNode for Normals {
                             (b * column.x - a * down.x) / area,
                         );
                         if zx.is_finite() && zy.is_finite() {
-                            normal(zx as f32, zy as f32)
+                            coordinates_of_slope(zx as f32, zy as f32)
                         } else {
-                            (0.0, 0.0)
+                            [0.0; 2]
                         }
                     });
                 }
@@ -212,6 +209,7 @@ mod tests {
     use glam::DVec2;
     use relievo_planet::{Lattice, LevelKey};
     use relievo_raster::Cancel;
+    use relievo_raster::normal::unit;
 
     use super::*;
 
@@ -254,7 +252,11 @@ mod tests {
             (x as f64 * dx * 0.75) as f32
         });
         for (e, n) in out.plane(0).iter().zip(out.plane(1)) {
-            assert!((e + 0.6).abs() < 1e-3 && n.abs() < 1e-6, "{e} {n}");
+            let normal = unit([*e, *n]);
+            assert!(
+                (normal.x + 0.6).abs() < 1e-3 && normal.y.abs() < 1e-6,
+                "{normal}"
+            );
         }
     }
 
@@ -277,7 +279,7 @@ mod tests {
                 across * (1.0 / step_m.x) as f32,
                 down * (-1.0 / step_m.y) as f32,
             );
-            let (east, north) = normal(zx, zy);
+            let [east, north] = coordinates_of_slope(zx, zy);
             assert_eq!(
                 (e.to_bits(), n.to_bits()),
                 (east.to_bits(), north.to_bits()),
@@ -293,7 +295,10 @@ mod tests {
             SampleRect::at(0, 60_000, 2, 2),
             |_, y| y as f32 * 100.0,
         );
-        assert!(out.plane(1).iter().all(|n| *n > 0.5) && out.plane(0).iter().all(|e| *e == 0.0));
+        assert!(
+            out.plane(1).iter().all(|n| unit([0.0, *n]).y > 0.5)
+                && out.plane(0).iter().all(|e| *e == 0.0)
+        );
     }
 
     #[test]
@@ -337,8 +342,10 @@ mod tests {
             (x as f32 - y as f32) * 15.0
         });
         // On the central meridian: zx = ½, zy = ½, so both components are −½ / √1.5.
-        for v in out.samples() {
-            assert!((v + 0.408_25).abs() < 1e-3, "{v}");
+        for (x, y) in out.plane(0).iter().zip(out.plane(1)) {
+            let normal = unit([*x, *y]);
+            let off = (normal + 0.408_25).truncate().abs();
+            assert!(off.max_element() < 1e-3, "{normal}");
         }
     }
 }

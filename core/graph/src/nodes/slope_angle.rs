@@ -1,6 +1,7 @@
 //! The steepness of the ground, to be coloured.
 
 use relievo_planet::Grid;
+use relievo_raster::normal::slope_rad;
 use relievo_raster::{Bands, Block};
 
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
@@ -11,16 +12,13 @@ use crate::{IdHasher, ImageNode, Job, Known, RenderError};
 #[derive(Clone, Copy, Debug)]
 pub struct SlopeAngle;
 
-/// From the east and north component of a unit normal.
-fn angle_deg(east: f32, north: f32) -> f32 {
-    // The sine of the angle; rounding may take it past 1.
-    let sine = (east * east + north * north).sqrt().min(1.0);
-    libm::asinf(sine).to_degrees()
-}
-
 impl ImageNode for SlopeAngle {
     fn kind(&self) -> &'static str {
         "slope angle"
+    }
+
+    fn version(&self) -> u32 {
+        2
     }
 
     fn output(&self) -> Bands {
@@ -36,7 +34,7 @@ impl ImageNode for SlopeAngle {
     fn known(&self, _grid: &Grid, inputs: &[Known]) -> Known {
         match inputs[0] {
             Known::Uniform([east, north, ..]) => {
-                Known::Uniform([angle_deg(east, north), 0.0, 0.0, 0.0])
+                Known::Uniform([slope_rad([east, north]).to_degrees(), 0.0, 0.0, 0.0])
             }
             // Normals are everywhere.
             Known::Complete | Known::Nothing => Known::Complete,
@@ -50,25 +48,8 @@ impl ImageNode for SlopeAngle {
         let (east, north) = (inputs[0].plane(0), inputs[0].plane(1));
         let samples = out.plane_mut(0).iter_mut().zip(east.iter().zip(north));
         for (angle, (east, north)) in samples {
-            *angle = angle_deg(*east, *north);
+            *angle = slope_rad([*east, *north]).to_degrees();
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn angles_are_those_of_the_normal() {
-        assert_eq!(angle_deg(0.0, 0.0), 0.0);
-        for degrees in [0.01_f32, 1.0, 30.0, 45.0, 80.0] {
-            let sine = libm::sinf(degrees.to_radians());
-            for (east, north) in [(sine, 0.0), (0.0, -sine), (0.6 * sine, 0.8 * sine)] {
-                assert!((angle_deg(east, north) - degrees).abs() < 1e-3 * degrees.max(0.1));
-            }
-        }
-        assert_eq!(angle_deg(1.0, 1.0), 90.0);
     }
 }

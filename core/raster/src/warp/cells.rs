@@ -1,23 +1,30 @@
-//! From samples of a grid to places in a source: exact at nodes, bilinear between them.
+//! From samples of a grid to places in a source: exact at nodes, interpolated between them.
 //!
 //! Nodes are the samples whose global indices are multiples of [`NODE`]. The four cells of a group
 //! share nine nodes; the middle ones tell how far the outer ones would have missed, and a cell a
-//! quarter of that. A cell that may miss by more than [`Approximation::tolerance_px`] checks its own centre and
-//! the middles of its edges, and if those fail projects every sample. All of it depends on global
-//! indices only, so blocks and wholes agree bit for bit.
+//! quarter of that. A cell that may miss by more than half of [`Approximation::tolerance_px`] between its
+//! corners looks at its own centre and the middles of its edges. With these it has nine nodes of its own:
+//! it is bilinear after all, or biquadratic where the group's parabolas foresaw them, or falls into four.
+//! All of it depends on global indices only, so blocks and wholes agree bit for bit.
 
 use glam::{DVec2, I64Vec2};
 use relievo_planet::{Grid, GridCrs, Lattice, MapPoint, SampleRect};
 
 use super::Approximation;
+use super::places::{Nine, Places};
 use super::plane::{SourcePlane, lonlat_from_plane, plane_from_lonlat};
 use super::window::Scale;
 use crate::crs::Crs;
 use crate::file::OverviewInfo;
-use crate::kernel::{Footprint, Kernel, LANES, Lane};
+use crate::kernel::{Footprint, Kernel, LANES};
 
 /// Samples between nodes.
 pub(crate) const NODE: i64 = LANES as i64;
+/// Samples along a cell that does not fall apart any more: each sample of it is projected.
+const SMALLEST: i64 = 4;
+/// Where the curvature goes from nothing to twice its mean along a cell, places miss the most not in
+/// the middle and by 1.026 times as much as there.
+const OFF_MIDDLE: f64 = 1.03;
 /// Samples along a group of two by two cells.
 const GROUP: i64 = 2 * NODE;
 /// A patch that needs more pixels at once is done sample by sample.
@@ -34,53 +41,10 @@ pub(crate) struct Patch {
     pub(crate) footprint: Footprint,
     /// The pixels it needs, unwrapped, at `scale`.
     pub(crate) window: SampleRect,
-    pub(crate) places: Places,
+    /// Relative to the window's corner.
+    pub(crate) places: Places<[f32; 2]>,
     /// Places with a coordinate outside of these lie outside of the source, relative to `window`.
     pub(crate) inside: [[f32; 2]; 2],
-}
-
-/// Continuous places at the patch's scale, relative to its window's corner.
-pub(crate) enum Places {
-    /// Of the first sample, of the one [`NODE`] columns east, and the same one row pitch south,
-    /// which is [`NODE`] rows or (for a single row) none.
-    Corners([[f32; 2]; 4]),
-    /// Of every sample, row by row.
-    Each(Vec<[f32; 2]>),
-}
-
-impl Places {
-    /// Places of the samples of a row from `column` on, as many as the patch has; what further
-    /// lanes hold is unspecified.
-    #[inline(always)]
-    pub(crate) fn row(
-        &self,
-        patch_width: usize,
-        column: usize,
-        row: usize,
-        x: &mut Lane,
-        y: &mut Lane,
-    ) {
-        const PITCH: f32 = 1.0 / NODE as f32;
-        match self {
-            Self::Corners([nw, ne, sw, se]) => {
-                let v = row as f32 * PITCH;
-                for (axis, out) in [x, y].into_iter().enumerate() {
-                    let west = nw[axis] + (sw[axis] - nw[axis]) * v;
-                    let east = ne[axis] + (se[axis] - ne[axis]) * v;
-                    let slope = (east - west) * PITCH;
-                    for (i, place) in out.iter_mut().enumerate() {
-                        *place = west + slope * ((column + i) as u32 as f32);
-                    }
-                }
-            }
-            Self::Each(places) => {
-                let places = &places[row * patch_width + column..(row + 1) * patch_width];
-                for ((x, y), place) in x.iter_mut().zip(y).zip(places) {
-                    [*x, *y] = *place;
-                }
-            }
-        }
-    }
 }
 
 /// The plane a grid is regular in.
@@ -306,120 +270,117 @@ impl Geometry<'_> {
         let source_deg = self.source.centre().x;
         let middle_deg = nodes[4].x - 360.0 * ((nodes[4].x - source_deg) / 360.0).round();
         let pixels = nodes.map(|p| self.pixel(p, middle_deg));
-        let between = |a: usize, b: usize| (pixels[a] + pixels[b]) * 0.5;
-        let corners = (between(0, 8) + between(2, 6)) * 0.5;
-        let mut miss = (pixels[4] - corners).abs();
-        for (middle, a, b) in [(1, 0, 2), (3, 0, 6), (5, 2, 8), (7, 6, 8)] {
-            let m = (pixels[middle] - between(a, b)).abs();
-            // Not `max`, which would hide NaN.
-            miss = DVec2::new(
-                if m.x <= miss.x { miss.x } else { m.x },
-                if m.y <= miss.y { miss.y } else { m.y },
-            );
-        }
-        for cell in 0..4 {
-            let at = I64Vec2::new(cell % 2, cell / 2);
-            let cell_rect =
-                SampleRect::at(start.x + at.x * NODE, start.y + at.y * NODE, NODE, NODE);
-            if !cell_rect.overlaps(rect) {
-                continue;
+        let group = Nine(pixels);
+        for (at, corners) in group.quarters() {
+            let min = start + at * NODE;
+            let cell = SampleRect::at(min.x, min.y, NODE, NODE);
+            if cell.overlaps(rect) {
+                self.cell(&cell, corners, (&group, at), middle_deg, rect, patches);
             }
-            let i = (at.y * 3 + at.x) as usize;
-            let corners = [pixels[i], pixels[i + 1], pixels[i + 3], pixels[i + 4]];
-            self.cell(&cell_rect, corners, miss * 0.25, middle_deg, rect, patches);
         }
     }
 
+    /// The patches of a cell, the quarter `at` of a square with nine nodes.
     fn cell(
         &self,
         cell: &SampleRect,
         corners: [DVec2; 4],
-        miss: DVec2,
+        (around, at): (&Nine, I64Vec2),
         middle_deg: f64,
         rect: &SampleRect,
         patches: &mut Vec<Patch>,
     ) {
         let [nw, ne, sw, se] = corners;
+        let side = cell.width() as f64;
         let change = [
-            (ne - nw + se - sw) * (0.5 / NODE as f64),
-            (sw - nw + se - ne) * (0.5 / NODE as f64),
+            (ne - nw + se - sw) * (0.5 / side),
+            (sw - nw + se - ne) * (0.5 / side),
         ];
         let change = Some(change).filter(|c| c[0].is_finite() && c[1].is_finite());
         let start = cell.min.as_dvec2();
         let centre_of = |r: &SampleRect| (r.min + r.max).as_dvec2() * 0.5 - 0.5;
-        let radii = self.radii(centre_of(cell), NODE as f64, change);
+        let radii = self.radii(centre_of(cell), side, change);
         let (scale, _) = self.scale(radii);
         let pixel = self.scale_pixel(scale);
-        let close = |miss: DVec2| {
-            let tolerance_px = self.approximation.tolerance_px;
-            (miss / pixel).max_element() <= tolerance_px && miss.is_finite()
+        let within = |miss: DVec2, part: f64| {
+            (miss / pixel).length() <= part * self.approximation.tolerance_px
         };
-        let linear = !self.wraps_inside(corners)
-            && (close(miss) || {
-                let half = NODE as f64 * 0.5;
-                let checks = [
-                    (DVec2::new(half, half), (nw + ne + sw + se) * 0.25),
-                    (DVec2::new(half, 0.0), (nw + ne) * 0.5),
-                    (DVec2::new(0.0, half), (nw + sw) * 0.5),
-                    (DVec2::new(2.0 * half, half), (ne + se) * 0.5),
-                    (DVec2::new(half, 2.0 * half), (sw + se) * 0.5),
-                ];
-                checks.iter().all(|(at, guess)| {
-                    close((self.pixel(self.plane(start + *at), middle_deg) - *guess).abs())
-                })
-            });
+        let nine = || {
+            let node = |x: f64, y: f64| {
+                let sample = start + DVec2::new(x, y) * (0.5 * side);
+                self.pixel(self.plane(sample), middle_deg)
+            };
+            let [n, w, centre] = [node(1.0, 0.0), node(0.0, 1.0), node(1.0, 1.0)];
+            let [e, s] = [node(2.0, 1.0), node(1.0, 2.0)];
+            Nine([nw, n, ne, w, centre, e, sw, s, se])
+        };
         // Where the kernel's shape changes much within the cell, beside a pole, cells fall apart.
         let varies = self.source.is_upright_geographic() && {
             let first = self.radii(start, 1.0, change);
-            let last = self.radii(start + (NODE - 1) as f64, 1.0, change);
+            let last = self.radii(start + (side - 1.0), 1.0, change);
             let (wider, slimmer) = ((first / last).max_element(), (last / first).max_element());
             wider.max(slimmer) > 1.25
         };
+        let wraps = self.wraps_inside(corners);
+        let mut own = None;
+        let linear = !wraps
+            && (within(around.miss() * 0.25, 0.5)
+                || within(own.insert(nine()).miss(), 1.0 / OFF_MIDDLE));
         let by_row =
             linear && varies && !matches!(self.target, Target::Projected(_) | Target::Same);
 
         if linear && !varies {
-            self.push(*cell, radii, Ok(corners), rect, patches);
-        } else if by_row {
-            for row in 0..NODE {
-                let v = row as f64 / NODE as f64;
+            let places = Places::Corners(corners);
+            return self.push(*cell, radii, places, rect, patches);
+        }
+        if by_row {
+            for row in 0..cell.height() {
+                let v = row as f64 / side;
                 let (west, east) = (nw + (sw - nw) * v, ne + (se - ne) * v);
-                let r = SampleRect::at(cell.min.x, cell.min.y + row, NODE, 1);
+                let r = SampleRect::at(cell.min.x, cell.min.y + row, cell.width(), 1);
                 let radii = self.radii(centre_of(&r), 1.0, change);
-                self.push(r, radii, Ok([west, east, west, east]), rect, patches);
+                let places = Places::Corners([west, east, west, east]);
+                self.push(r, radii, places, rect, patches);
+            }
+            return;
+        }
+        let own = own.unwrap_or_else(nine);
+        // With nodes twice as dense parabolas miss by an eighth.
+        if !varies && !wraps && within(own.missed_by(around, at) * 0.125, 0.5) {
+            return self.push(*cell, radii, Places::Nine(own), rect, patches);
+        }
+        if cell.width() > SMALLEST {
+            let half = cell.width() / 2;
+            for (at, corners) in own.quarters() {
+                let min = cell.min + half * at;
+                let quarter = SampleRect::at(min.x, min.y, half, half);
+                if quarter.overlaps(rect) {
+                    self.cell(&quarter, corners, (&own, at), middle_deg, rect, patches);
+                }
+            }
+            return;
+        }
+        let near = if self.source.columns_around.is_some() {
+            middle_deg
+        } else {
+            self.source.centre().x
+        };
+        let exact = |sample: I64Vec2| self.pixel(self.plane(sample.as_dvec2()), near);
+        if varies || wraps || self.source.is_upright_geographic() {
+            let samples = cell.intersection(rect);
+            for y in samples.min.y..samples.max.y {
+                for x in samples.min.x..samples.max.x {
+                    let sample = I64Vec2::new(x, y);
+                    let radii = self.radii(sample.as_dvec2(), 1.0, change);
+                    let place = Places::Each(vec![exact(sample)]);
+                    self.push(SampleRect::at(x, y, 1, 1), radii, place, rect, patches);
+                }
             }
         } else {
-            let source_deg = self.source.centre().x;
-            let near = if self.source.columns_around.is_some() {
-                middle_deg
-            } else {
-                source_deg
-            };
-            let exact = |sample: I64Vec2| self.pixel(self.plane(sample.as_dvec2()), near);
-            if varies
-                || self.wraps_inside(corners)
-                || !linear && self.source.is_upright_geographic()
-            {
-                let samples = cell.intersection(rect);
-                for y in samples.min.y..samples.max.y {
-                    for x in samples.min.x..samples.max.x {
-                        let sample = I64Vec2::new(x, y);
-                        let radii = self.radii(sample.as_dvec2(), 1.0, change);
-                        self.push(
-                            SampleRect::at(x, y, 1, 1),
-                            radii,
-                            Err(vec![exact(sample)]),
-                            rect,
-                            patches,
-                        );
-                    }
-                }
-            } else {
-                let places = (0..NODE * NODE)
-                    .map(|i| exact(cell.min + I64Vec2::new(i % NODE, i / NODE)))
-                    .collect();
-                self.push(*cell, radii, Err(places), rect, patches);
-            }
+            let places = (0..cell.area())
+                .map(|i| exact(cell.min + I64Vec2::new(i % SMALLEST, i / SMALLEST)))
+                .collect();
+            self.push(*cell, radii, Places::Each(places), rect, patches);
         }
     }
 
@@ -450,30 +411,21 @@ impl Geometry<'_> {
         &self,
         samples: SampleRect,
         radii: DVec2,
-        places: Result<[DVec2; 4], Vec<DVec2>>,
+        places: Places<DVec2>,
         rect: &SampleRect,
         patches: &mut Vec<Patch>,
     ) {
         if !samples.overlaps(rect) {
             return;
         }
-        let all: &[DVec2] = match &places {
-            Ok(corners) => corners,
-            Err(each) => each,
+        let Some((low, high)) = places.bounds() else {
+            return;
         };
-        let mut finite = all
-            .iter()
-            .copied()
-            .filter(|p| p.is_finite() && p.abs().max_element() < 1e12);
-        let Some(one) = finite.next() else { return };
-        let (low, high) = finite.fold((one, one), |(low, high), p| (low.min(p), high.max(p)));
         if !self.sees(low, high) {
             return;
         }
         // Exact places far outside of the source need no pixels.
-        let (low, high) = if places.is_ok() {
-            (low, high)
-        } else {
+        let (low, high) = if let Places::Each(_) = places {
             let (mut start, mut end) = (DVec2::ZERO, self.source.size);
             if self.source.columns_around.is_some() {
                 (start.x, end.x) = (f64::MIN, f64::MAX);
@@ -482,6 +434,8 @@ impl Geometry<'_> {
                 (start.y, end.y) = (f64::MIN, f64::MAX);
             }
             (low.clamp(start, end), high.clamp(start, end))
+        } else {
+            (low, high)
         };
         let (scale, footprint) = self.scale(radii);
         let pixel = self.scale_pixel(scale);
@@ -489,7 +443,13 @@ impl Geometry<'_> {
         let max = (high / pixel - 0.5).floor().as_i64vec2() + 4;
         let window = SampleRect::new(min, max);
         if window.area() > LARGEST_WINDOW && samples.area() > 1 {
-            self.push_singly(&samples, radii, &places, rect, patches);
+            let size = (samples.max - samples.min).as_dvec2();
+            for i in 0..samples.area() {
+                let at = I64Vec2::new(i % samples.width(), i / samples.width());
+                let sample = SampleRect::at(samples.min.x + at.x, samples.min.y + at.y, 1, 1);
+                let place = places.at(i as usize, at.as_dvec2() / size);
+                self.push(sample, radii, Places::Each(vec![place]), rect, patches);
+            }
             return;
         }
         let relative = |p: DVec2| {
@@ -506,43 +466,14 @@ impl Geometry<'_> {
         if self.source.reflects[1] {
             inside[1][1] = f32::INFINITY;
         }
-        let places = match places {
-            Ok(corners) => Places::Corners(corners.map(relative)),
-            Err(each) => Places::Each(each.into_iter().map(relative).collect()),
-        };
         patches.push(Patch {
             rect: samples,
             scale,
             footprint,
             window,
-            places,
+            places: places.map(relative),
             inside,
         });
-    }
-
-    /// Pushes the samples of a patch whose window is too large, one by one.
-    fn push_singly(
-        &self,
-        samples: &SampleRect,
-        radii: DVec2,
-        places: &Result<[DVec2; 4], Vec<DVec2>>,
-        rect: &SampleRect,
-        patches: &mut Vec<Patch>,
-    ) {
-        let width = samples.width();
-        for i in 0..samples.area() {
-            let at = I64Vec2::new(i % width, i / width);
-            let place = match places {
-                Ok([nw, ne, sw, se]) => {
-                    let uv = at.as_dvec2() / NODE as f64;
-                    let (west, east) = (*nw + (*sw - *nw) * uv.y, *ne + (*se - *ne) * uv.y);
-                    west + (east - west) * uv.x
-                }
-                Err(each) => each[i as usize],
-            };
-            let sample = SampleRect::at(samples.min.x + at.x, samples.min.y + at.y, 1, 1);
-            self.push(sample, radii, Err(vec![place]), rect, patches);
-        }
     }
 }
 

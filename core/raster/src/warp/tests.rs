@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use relievo_planet::{GridCrs, Lattice, LevelKey, TileKey};
 
 use super::*;
+use crate::crs::Crs;
 use crate::file::{Georeference, OverviewInfo, PixelRect, RasterInfo};
 use crate::reduce;
 
@@ -218,7 +219,7 @@ proptest! {
         let warp = warp(utm(600, 0, |x, y| 3.0 * x + 2.0 * y));
         let grid = level_grid(11, lon, lat, 40, 40);
         let out = render(&warp, &grid);
-        let crs = crate::crs::Crs::parse("EPSG:26912").expect("a known system");
+        let crs = Crs::parse("EPSG:26912").expect("a known system");
         for (i, v) in out.samples().iter().enumerate() {
             let at = grid.rect.min + I64Vec2::new(i as i64 % 40, i as i64 / 40);
             let p = grid.lattice.map_point(at);
@@ -333,7 +334,7 @@ fn nothing_is_shifted_at_any_level() {
         let warp = warp(utm(1024, overviews, wave));
         let grid = level_grid(n, -111.5, 40.5, 40, 40);
         let out = render(&warp, &grid);
-        let crs = crate::crs::Crs::parse("EPSG:26912").expect("a known system");
+        let crs = Crs::parse("EPSG:26912").expect("a known system");
         let (mut num, mut den) = ([0.0; 2], [0.0; 2]);
         for (i, v) in out.samples().iter().enumerate() {
             let p = grid
@@ -468,8 +469,7 @@ fn a_grid_about_the_pole_in_a_polar_system_sees_the_whole_circle() {
         step: DVec2::new(20_000.0, -20_000.0),
         columns_around: None,
     };
-    let crs = crate::crs::Crs::parse("+proj=stere +lat_0=90 +lon_0=0 +datum=WGS84 +units=m")
-        .expect("known");
+    let crs = Crs::parse("+proj=stere +lat_0=90 +lon_0=0 +datum=WGS84 +units=m").expect("known");
     let grid = Grid::new(Arc::new(lattice), SampleRect::at(0, 0, 100, 100));
     for (i, v) in render(&warp, &grid).samples().iter().enumerate() {
         let p = grid
@@ -482,6 +482,64 @@ fn a_grid_about_the_pole_in_a_polar_system_sees_the_whole_circle() {
         );
     }
     assert_eq!(warp.coverage(&grid), Coverage::Inside);
+}
+
+/// A polar file and a grid of longitudes and latitudes over it, whose rows are strongly bent.
+fn bent() -> (Warp, Crs, Grid) {
+    let name = "+proj=stere +lat_0=90 +lon_0=0 +datum=WGS84 +units=m";
+    let half_m = 4_000_000.0;
+    let block = heights(800, 800, |x, y| x + y);
+    let place = [-half_m, 10_000.0, 0.0, half_m, 0.0, -10_000.0];
+    let lattice = Lattice {
+        crs: GridCrs::Projected("EPSG:4326".into()),
+        origin: DVec2::new(-100.0, 83.0),
+        step: DVec2::new(0.2, -0.1),
+        columns_around: None,
+    };
+    let grid = Grid::new(Arc::new(lattice), SampleRect::at(0, 0, 256, 256));
+    (
+        warp(Memory::file(block, name, place, 0)),
+        Crs::parse(name).expect("known"),
+        grid,
+    )
+}
+
+#[test]
+fn interpolated_places_keep_their_tolerance() {
+    for tolerance_px in [1e-4, 0.002, 0.02, 0.125, 0.5, 3.0] {
+        let (warp, crs, grid) = bent();
+        let warp = warp.with_approximation(Approximation {
+            tolerance_px,
+            ..Approximation::default()
+        });
+        let mut worst = 0.0_f64;
+        warp.for_each_place(&grid, |i, place| {
+            let p = grid
+                .lattice
+                .centre(I64Vec2::new(i as i64 % 256, i as i64 / 256));
+            let (x, y) = crs
+                .from_lonlat(p.x.to_radians(), p.y.to_radians())
+                .expect("inside");
+            let exact = DVec2::new(x + 4e6, 4e6 - y) / 10_000.0;
+            worst = worst.max(place.distance(exact));
+        })
+        .expect("a known system");
+        // Places within a window are singles.
+        assert!(worst <= tolerance_px + 3e-5, "{tolerance_px}: {worst}");
+    }
+}
+
+#[test]
+fn a_strongly_bent_grid_is_followed_by_parabolas() {
+    let (warp, _, grid) = bent();
+    let patches = warp.geometry(&grid).expect("known").patches(&grid.rect);
+    let each: i64 = patches
+        .iter()
+        .filter(|p| matches!(p.places, places::Places::Each(_)))
+        .map(|p| p.rect.area())
+        .sum();
+    assert!(each == 0, "{each} samples");
+    assert!(patches.len() < 400, "{} patches", patches.len());
 }
 
 #[test]

@@ -20,7 +20,7 @@ use half::f16;
 use super::{WriteError, atomically};
 use crate::file::{Cancel, Georeference, PixelRect};
 use crate::openexr::place;
-use crate::{Bands, Block, colour};
+use crate::{Bands, Block, colour, normal};
 
 /// Largest half float: brighter light is stored as this.
 const BRIGHTEST: f32 = 65504.0;
@@ -276,12 +276,13 @@ fn bytes(block: &mut Block, samples: ExrSamples) -> Vec<u8> {
                 }
             }
             ExrSamples::Normal => {
-                out.extend(row(0).flat_map(|v| v.to_ne_bytes()));
-                out.extend(row(1).flat_map(|v| v.to_ne_bytes()));
-                let up = row(0)
+                let units = row(0)
                     .zip(row(1))
-                    .map(|(e, n)| (1.0 - e * e - n * n).max(0.0).sqrt());
-                out.extend(up.flat_map(f32::to_ne_bytes));
+                    .map(|(x, y)| normal::unit([*x, *y]).as_vec3());
+                let units: Vec<[f32; 3]> = units.map(Into::into).collect();
+                for component in 0..3 {
+                    out.extend(units.iter().flat_map(|unit| unit[component].to_ne_bytes()));
+                }
             }
         }
     }

@@ -1,12 +1,13 @@
 use std::io::BufReader;
 
+use glam::DVec3;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 
 use super::*;
 use crate::file::OverviewInfo;
 use crate::file::{Cancel, Georeference, PixelRect};
 use crate::reduce::ratio::Reduction;
-use crate::{Bands, Block, colour};
+use crate::{Bands, Block, colour, normal};
 
 type Failure = Box<dyn core::error::Error + Send + Sync>;
 
@@ -154,12 +155,15 @@ fn colours_come_back_to_the_byte() {
 fn normals_point_up_where_the_ground_is_level() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("normals.tif");
-    let block = Block::filled(Bands::Normal, 20, 20, &[0.0, 0.6]);
+    let leaning = normal::coordinates(DVec3::new(0.0, 0.6, 0.8));
+    let block = Block::filled(Bands::Normal, 20, 20, &leaning);
     write(&path, &block, CogSamples::NormalF32).expect("written");
     let DecodingResult::F32(samples) = image(&mut decoder(&path)) else {
         panic!("f32 expected")
     };
-    assert!((samples[0], samples[1]) == (0.0, 0.6) && (samples[2] - 0.8).abs() < 1e-6);
+    assert!(
+        samples[0] == 0.0 && (samples[1] - 0.6).abs() < 1e-6 && (samples[2] - 0.8).abs() < 1e-6
+    );
     write(
         &path,
         &Block::new(Bands::Normal, 20, 20),

@@ -8,7 +8,7 @@ use flate2::write::ZlibEncoder;
 
 use super::CogSamples;
 use crate::write::picture;
-use crate::{Block, colour};
+use crate::{Bands, Block, colour, normal};
 
 /// Deflate level: within some percent of the smallest, several times as fast.
 const DEFLATE_LEVEL: u32 = 6;
@@ -59,7 +59,12 @@ pub(super) fn decode(compressed: &[u8], side: u32, samples: CogSamples) -> io::R
                 colour::from_u8(row[i])
             };
         }
-        // Up, the third component of normals, follows from the others.
+        if samples.bands() == Bands::Normal {
+            for pixel in values.chunks_exact_mut(channels) {
+                let unit = [0, 1, 2].map(|c| f64::from(pixel[c]));
+                [pixel[0], pixel[1]] = normal::coordinates(unit.into());
+            }
+        }
         for plane in 0..planes.min(channels) {
             let out = &mut block.plane_mut(plane)[y * side..(y + 1) * side];
             for (v, pixel) in out.iter_mut().zip(values.chunks_exact(channels)) {
@@ -99,7 +104,7 @@ fn bytes_of_tile(block: &Block, samples: CogSamples) -> Vec<u8> {
                     CogSamples::Rgb8
                     | CogSamples::Rgba8
                     | CogSamples::Normal8
-                    | CogSamples::NormalF32 => pixel.copy_from_slice(&normal(block, i)),
+                    | CogSamples::NormalF32 => pixel.copy_from_slice(&east_north_up(block, i)),
                 }
             }
             predict_floats(&row, channels, &mut out);
@@ -108,7 +113,7 @@ fn bytes_of_tile(block: &Block, samples: CogSamples) -> Vec<u8> {
     }
     let mut bytes = if samples == CogSamples::Normal8 {
         (0..block.width() * block.height())
-            .flat_map(|i| normal(block, i).map(|c| (c * 127.0 + 127.5) as u8))
+            .flat_map(|i| east_north_up(block, i).map(|c| (c * 127.0 + 127.5) as u8))
             .collect()
     } else {
         picture::bytes_of(block, channels)
@@ -121,10 +126,10 @@ fn bytes_of_tile(block: &Block, samples: CogSamples) -> Vec<u8> {
     bytes
 }
 
-/// East, north and up.
-fn normal(block: &Block, i: usize) -> [f32; 3] {
-    let (e, n) = (block.plane(0)[i], block.plane(1)[i]);
-    [e, n, (1.0 - e * e - n * n).max(0.0).sqrt()]
+/// The unit normal of a sample.
+fn east_north_up(block: &Block, i: usize) -> [f32; 3] {
+    let unit = normal::unit([block.plane(0)[i], block.plane(1)[i]]);
+    unit.as_vec3().to_array()
 }
 
 /// Predictor 3: bytes of a row by significance, then differences of bytes.
@@ -185,9 +190,15 @@ mod tests {
         );
         normals.plane_mut(0)[count / 2] = 0.25;
         let stored = encode(&normals, side, CogSamples::NormalF32).expect("memory");
-        assert_eq!(
-            decode(&stored, side, CogSamples::NormalF32).expect("whole"),
-            normals
+        let found = decode(&stored, side, CogSamples::NormalF32).expect("whole");
+        // Files hold the normals' components.
+        let rounding = 2.0 * f32::EPSILON;
+        assert!(
+            found
+                .samples()
+                .iter()
+                .zip(normals.samples())
+                .all(|(a, b)| (a - b).abs() <= rounding)
         );
         let stored = encode(&normals, side, CogSamples::Normal8).expect("memory");
         let found = decode(&stored, side, CogSamples::Normal8).expect("whole");
