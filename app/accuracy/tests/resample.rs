@@ -27,7 +27,7 @@ fn kernels_places_and_poles_are_as_exact_as_they_state() {
         assert!(exactly[2] < 1.1 * exactly[0], "{exactly:?}");
     }
     // Places keep their tolerance.
-    let places = errors("places", "interpolated in cells of 16 samples");
+    let places = errors("places", "interpolated along lines and parabolas");
     for (found, tolerance) in places.iter().zip([1e-4, 0.002, 0.02, 0.125, 0.5]) {
         assert!(*found <= tolerance + 3e-5, "{places:?}");
     }

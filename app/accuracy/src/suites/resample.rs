@@ -47,8 +47,9 @@ const PIXEL_M: f64 = 10_000.0;
 /// Pixels of a side of the polar file: to 47° N.
 const SIDE: usize = 960;
 
-/// Degrees of a sample of the grid that it is laid on.
-const STEP_DEG: DVec2 = DVec2::new(0.2, 0.1);
+/// Degrees of a sample of the grid that it is laid on: at most 1.17 pixels on the ground, so that kernels
+/// are as narrow as they get and a ramp stays a ramp.
+const STEP_DEG: DVec2 = DVec2::new(0.15, 0.1);
 
 /// Polar stereographic, far from straight in longitude and latitude.
 const POLAR: &str = "EPSG:3413";
@@ -201,7 +202,7 @@ fn kernels(context: &Context, peer: Option<&gdal::Peer>) -> Result<(Figure, Stri
             curves.push(warped);
         }
     }
-    let caption = "A polar stereographic file of 10 km pixels (float, in memory) on a grid of 0.2° × 0.1° from 57° to 83° N; \
+    let caption = "A polar stereographic file of 10 km pixels (float, in memory) on a grid of 0.15° × 0.1° from 57° to 83° N; \
                    one thread. Error: root mean square against the closed form of the surface, in parts of the surface's own. \
                    Truth: twelve plane waves through space, 6 to 60 pixels long, heights in proportion.";
     let chart = Chart::trade(
@@ -255,7 +256,7 @@ fn places(context: &Context, peer: Option<&gdal::Peer>) -> Result<Figure, SuiteE
         Point::timed(format!("tolerance {tolerance} px"), time, *error)
     });
     let mut curves = vec![Curve {
-        name: "interpolated in cells of 16 samples".to_owned(),
+        name: "interpolated along lines and parabolas".to_owned(),
         points: ours.collect(),
         joined: true,
     }];

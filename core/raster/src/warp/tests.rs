@@ -506,7 +506,7 @@ fn bent() -> (Warp, Crs, Grid) {
 
 #[test]
 fn interpolated_places_keep_their_tolerance() {
-    for tolerance_px in [1e-4, 0.002, 0.02, 0.125, 0.5, 3.0] {
+    for tolerance_px in [0.0, 1e-4, 0.002, 0.02, 0.125, 0.5, 3.0] {
         let (warp, crs, grid) = bent();
         let warp = warp.with_approximation(Approximation {
             tolerance_px,
