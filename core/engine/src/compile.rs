@@ -3,6 +3,7 @@
 //! Heights first, then colours, which may read them. What a scene does not use is not compiled:
 //! hidden layers, layers whose file is missing, identity adjustments.
 
+mod adjust;
 mod colours;
 mod difference;
 mod heights;

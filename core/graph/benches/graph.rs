@@ -33,7 +33,7 @@ fn chain(adjusts: usize, to: SampleType) -> (Graph, NodeIndex, NodeIndex) {
     );
     for i in 0..adjusts {
         let node = Adjust::new(&AdjustParams {
-            brightness: 1.01 + i as f64 * 0.01,
+            brightness: 0.01 + i as f64 * 0.01,
             ..AdjustParams::default()
         });
         last = b.add(Arc::new(node), &[last]);

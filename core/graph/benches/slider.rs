@@ -114,7 +114,7 @@ impl Chain {
 
 fn slider(c: &mut Criterion) {
     let gamma = AdjustParams {
-        brightness: 1.1,
+        brightness: 0.1,
         contrast: 1.2,
         hue_deg: 20.0,
         saturation: 0.8,
@@ -123,14 +123,14 @@ fn slider(c: &mut Criterion) {
     };
     let plain = AdjustParams {
         gamma: 1.0,
-        ..gamma
+        ..gamma.clone()
     };
     let cases = [
         (
             "adjust of 8 bits",
             SampleType::Rgba8,
             false,
-            plain,
+            plain.clone(),
             1.0,
             false,
         ),
@@ -138,7 +138,7 @@ fn slider(c: &mut Criterion) {
             "adjust with gamma of 8 bits",
             SampleType::Rgba8,
             false,
-            gamma,
+            gamma.clone(),
             1.0,
             false,
         ),
@@ -146,7 +146,7 @@ fn slider(c: &mut Criterion) {
             "8 bits at opacity 0.8 over f32",
             SampleType::Rgba8,
             false,
-            plain,
+            plain.clone(),
             0.8,
             true,
         ),
@@ -154,7 +154,7 @@ fn slider(c: &mut Criterion) {
             "8 bits with gamma at opacity 0.8 over f32",
             SampleType::Rgba8,
             false,
-            gamma,
+            gamma.clone(),
             0.8,
             true,
         ),
@@ -162,7 +162,7 @@ fn slider(c: &mut Criterion) {
             "f32 with gamma at opacity 0.8 over f32",
             SampleType::Rgba32F,
             false,
-            gamma,
+            gamma.clone(),
             0.8,
             true,
         ),
@@ -170,7 +170,7 @@ fn slider(c: &mut Criterion) {
             "8 bits with holes over f32",
             SampleType::Rgba8,
             true,
-            plain,
+            plain.clone(),
             1.0,
             true,
         ),

@@ -20,7 +20,7 @@ pub mod tint;
 pub mod vector;
 
 pub use add_heights::AddHeights;
-pub use adjust::{Adjust, AdjustParams};
+pub use adjust::{Adjust, AdjustParams, AdjustSpace, Clear, Curve, WhiteBalance};
 pub use constant::Constant;
 pub use contour_lines::{ContourLines, ContourStyle, ContourStyleError};
 pub use earthwork::{Earthwork, PlacedElement};

@@ -257,6 +257,16 @@ fn adjusted(project: &Project, id: &LayerId, new: &crate::Adjust) -> &'static st
         }
     };
     let changes = [
+        (old.space != new.space, "Colour space of"),
+        (
+            (old.temperature_k, old.tint) != (new.temperature_k, new.tint),
+            "White balance of",
+        ),
+        (old.mix != new.mix, "Channel mix of"),
+        (old.curves != new.curves, "Tone curve of"),
+        (old.invert != new.invert, "Inversion of"),
+        (old.clear != new.clear, "Clear colour of"),
+        (old.strength != new.strength, "Strength of adjustment of"),
         (old.brightness != new.brightness, "Brightness of"),
         (old.contrast != new.contrast, "Contrast of"),
         (old.hue_deg != new.hue_deg, "Hue of"),

@@ -1,6 +1,6 @@
 //! Layers of the runtime document.
 
-use crate::{ContoursLayer, Extra, LayerId, SlopeLayer, TintLayer, VectorLayer};
+use crate::{Adjust, ContoursLayer, Extra, LayerId, SlopeLayer, TintLayer, VectorLayer};
 
 /// One layer of the stack.
 #[derive(Clone, Debug, PartialEq)]
@@ -212,53 +212,6 @@ pub enum Blend {
     Screen,
     /// Multiply in shadows, screen in lights.
     Overlay,
-}
-
-/// Colour adjustment; the default changes nothing. Applied in the order of the fields' list, gain
-/// and offset first.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Adjust {
-    /// Added to all channels, −1 to 1. Default 0.
-    pub brightness: f64,
-    /// Factor on the distance from mid grey, 0 to 4. Default 1.
-    pub contrast: f64,
-    /// Turn of the hue in degrees, −180 to 180. Default 0.
-    pub hue_deg: f64,
-    /// Factor on saturation, 0 (grey) to 4. Default 1.
-    pub saturation: f64,
-    /// Exponent 1/γ on display-referred values: γ 0.1 to 10, above 1 lightens. Default 1.
-    pub gamma: f64,
-    /// Factor for red, green and blue, 0 to 16 each. Default 1.
-    pub gain: [f64; 3],
-    /// Added to red, green and blue after the gain, −1 to 1 each. Default 0.
-    pub offset: [f64; 3],
-    /// Unknown fields of the file.
-    pub extra: Extra,
-}
-
-impl Default for Adjust {
-    fn default() -> Self {
-        Self {
-            brightness: 0.0,
-            contrast: 1.0,
-            hue_deg: 0.0,
-            saturation: 1.0,
-            gamma: 1.0,
-            gain: [1.0; 3],
-            offset: [0.0; 3],
-            extra: Extra::new(),
-        }
-    }
-}
-
-impl Adjust {
-    /// Whether it changes no colour.
-    pub fn is_identity(&self) -> bool {
-        Self {
-            extra: Extra::new(),
-            ..self.clone()
-        } == Self::default()
-    }
 }
 
 /// How stored numbers of an image become colours.

@@ -8,6 +8,7 @@
 //! Deliberately absent: pixels, raster files (a path is only text here), the graph, and threads but
 //! for the one that writes the [`Journal`].
 
+mod adjust;
 mod apply;
 mod build;
 mod document;
@@ -30,6 +31,7 @@ mod stored;
 mod vector_layer;
 mod vertices;
 
+pub use adjust::{Adjust, AdjustSpace, ClearColour, CurvePoint, NEUTRAL_TEMPERATURE_K, ToneCurves};
 pub use apply::EditError;
 pub use build::{NewProjectError, SourceRole, layer_from_source};
 pub use document::{
@@ -53,8 +55,8 @@ pub use journal::{
 };
 pub use json::{MOST_BYTES, schema, schema_text};
 pub use layer::{
-    Adjust, Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer,
-    LayerKind, Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows,
+    Blend, Extent, Georeference, HeightEncoding, HeightLayer, ImageryLayer, Layer, LayerKind,
+    Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows,
 };
 pub use lock::{Holder, LockError, ProjectLock};
 pub use paths::{resolve_path, store_path};

@@ -6,6 +6,7 @@
 #[macro_use]
 pub(crate) mod value;
 
+pub(crate) mod adjust;
 pub(crate) mod colour;
 pub(crate) mod convert;
 pub(crate) mod edits;

@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use relievo_graph::NodeIndex;
-use relievo_graph::nodes::{
-    Adjust, AdjustParams, BlendMode, Constant, Overlay, SlopeAngle, Vector,
-};
+use relievo_graph::nodes::{Adjust, BlendMode, Constant, Overlay, SlopeAngle, Vector};
 use relievo_project::{
     Adjust as ProjectAdjust, Blend, Layer, LayerId, LayerKind, Project, VectorLayer,
 };
 use relievo_raster::SampleType;
 use relievo_vector::Drawing;
 
+use super::adjust::adjustment;
 use super::{Compiler, Ground, level_of_step, relief};
 use crate::message::{Message, Severity};
 use crate::scene::Detail;
@@ -184,17 +183,7 @@ impl Compiler<'_> {
         if adjust.is_identity() {
             return top;
         }
-        let params = AdjustParams {
-            gain: adjust.gain,
-            // The project's brightness is a sum, as users of image editors know it.
-            offset: adjust.offset.map(|o| o + adjust.brightness),
-            contrast: adjust.contrast,
-            hue_deg: adjust.hue_deg,
-            saturation: adjust.saturation,
-            gamma: adjust.gamma,
-            ..AdjustParams::default()
-        };
-        self.add(layer, Arc::new(Adjust::new(&params)), &[top])
+        self.add(layer, Arc::new(Adjust::new(&adjustment(adjust))), &[top])
     }
 
     /// A vector layer's features in its style; kept while neither changes.

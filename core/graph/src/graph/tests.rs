@@ -86,7 +86,7 @@ fn the_name_of_a_region_follows_what_it_holds() {
         chain(|b, colours| b.add(Arc::new(Adjust::new(&AdjustParams::default())), &[colours]));
     let (other, other_end) = chain(|b, colours| {
         let brighter = AdjustParams {
-            brightness: 1.2,
+            brightness: 0.2,
             ..AdjustParams::default()
         };
         b.add(Arc::new(Adjust::new(&brighter)), &[colours])
@@ -271,7 +271,7 @@ fn thousands_of_layers_do_not_overflow_the_stack() {
     let (graph, end) = chain(|b, colours| {
         let mut last = colours;
         for i in 0..5000 {
-            let brightness = 1.0 + f64::from(i % 2) * 0.01;
+            let brightness = f64::from(i % 2) * 0.01;
             last = b.add(
                 Arc::new(Adjust::new(&AdjustParams {
                     brightness,

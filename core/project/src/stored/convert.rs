@@ -1,5 +1,6 @@
 //! Between stored and runtime types, and the checks that a single number's range cannot make.
 
+mod adjust;
 mod elements;
 mod layer;
 mod relief;

@@ -13,6 +13,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
+use super::adjust::Adjust;
 use super::elements::{Element, ElementStyle};
 use super::fault::{At, Fault, describe, quote};
 use super::scenarios::{Bookmark, Change, LayerOverride, Scenario};
@@ -101,7 +102,7 @@ stored_edits! {
     /// Changes how an imagery, tint, slope or contours layer meets the layers below.
     SetBlend = "set_blend" { id: String, blend: v1::Blend, }
     /// Replaces the colour adjustment of an imagery or tint layer.
-    SetAdjust = "set_adjust" { id: String, adjust: With<v1::Adjust>, }
+    SetAdjust = "set_adjust" { id: String, adjust: With<Adjust>, }
     /// Changes how samples between a file's pixels are made.
     SetResampling = "set_resampling" { id: String, resampling: v1::Resampling, }
     /// Changes the width in metres over which a file's edge fades.

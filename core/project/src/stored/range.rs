@@ -36,6 +36,9 @@ pub(crate) const FACTOR: Range<f64> = range(0.0, 4.0);
 pub(crate) const HUE_DEG: Range<f64> = range(-180.0, 180.0);
 pub(crate) const GAMMA: Range<f64> = range(0.1, 10.0);
 pub(crate) const GAIN: Range<f64> = range(0.0, 16.0);
+pub(crate) const SIGNED_GAIN: Range<f64> = range(-16.0, 16.0);
+pub(crate) const TEMPERATURE_K: Range<f64> = range(1667.0, 25_000.0);
+pub(crate) const LIGHT_TINT: Range<f64> = range(-100.0, 100.0);
 pub(crate) const VERTICAL_SCALE: Range<f64> = range(-1e6, 1e6);
 pub(crate) const HEIGHT_M: Range<f64> = range(-1e7, 1e7);
 pub(crate) const AMPLITUDE_M: Range<f64> = range(0.0, 1e6);
@@ -65,6 +68,8 @@ pub(crate) const SCALE: Range<f64> = range(0.0, 1e12);
 pub(crate) const COLOUR_WINDOWS: [u32; 5] = [256, 512, 1024, 2048, 4096];
 /// Most layers in a project.
 pub(crate) const MOST_LAYERS: usize = 10_000;
+/// Most points of a tone curve.
+pub(crate) const MOST_CURVE_POINTS: usize = 256;
 /// Most stops of a table of colours.
 pub(crate) const MOST_STOPS: usize = 1000;
 /// Longest path and coordinate system in bytes.

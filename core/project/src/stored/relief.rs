@@ -1,5 +1,6 @@
 //! Layers drawn from the shape of the ground as they lie in version 1 of the file.
 
+use super::adjust::Adjust;
 use super::colour::StoredColour;
 use super::value::With;
 use super::{range, v1};
@@ -15,7 +16,7 @@ fields! {
         /// How the colour meets what lies below; normal where left out.
         blend: Option<v1::Blend>,
         /// Colour adjustment; none where left out.
-        adjust: Option<With<v1::Adjust>>,
+        adjust: Option<With<Adjust>>,
     }
 }
 

@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
+use super::adjust::Adjust;
 use super::elements::Element;
 use super::fault::{At, Fault, describe, quote};
 use super::range;
@@ -385,26 +386,6 @@ fields! {
         east: Option<f64> = range::COORDINATE,
         /// Top edge of the image, above `south`.
         north: Option<f64> = range::COORDINATE,
-    }
-}
-
-fields! {
-    /// Colour adjustment; members left out change nothing.
-    Adjust {
-        /// Added to all channels; 0 where left out.
-        brightness: Option<f64> = range::SIGNED_SHARE,
-        /// Factor on the distance from mid grey; 1 where left out.
-        contrast: Option<f64> = range::FACTOR,
-        /// Turn of the hue in degrees; 0 where left out.
-        hue_deg: Option<f64> = range::HUE_DEG,
-        /// Factor on saturation; 1 where left out.
-        saturation: Option<f64> = range::FACTOR,
-        /// Values are raised to the power of 1/gamma; 1 where left out.
-        gamma: Option<f64> = range::GAMMA,
-        /// Factor for red, green and blue; 1 where left out.
-        gain: Option<[f64; 3]> => range::GAIN,
-        /// Added to red, green and blue after the gain; 0 where left out.
-        offset: Option<[f64; 3]> => range::SIGNED_SHARE,
     }
 }
 

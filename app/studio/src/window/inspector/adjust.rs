@@ -1,7 +1,7 @@
 //! Sliders of a colour adjustment.
 
 use eframe::egui::{CollapsingHeader, Ui};
-use relievo_engine::project::{Adjust, Edit, LayerId};
+use relievo_engine::project::{Adjust, AdjustSpace, Edit, LayerId, NEUTRAL_TEMPERATURE_K};
 
 use crate::window::action::Action;
 use crate::window::controls::{self, Number};
@@ -28,25 +28,63 @@ const GAMMA: Number = Number::new(
 )
 .logarithmic();
 
+const TEMPERATURE: Number = Number::new(
+    "Temperature",
+    "Colour temperature of the light in the picture; higher warms it",
+    1667.0..=25_000.0,
+    NEUTRAL_TEMPERATURE_K,
+)
+.unit(" K", 0)
+.logarithmic();
+const TINT: Number = Number::new(
+    "Tint",
+    "Green of the light in the picture; higher turns it magenta",
+    -100.0..=100.0,
+    0.0,
+)
+.unit("", 0);
+const STRENGTH: Number = Number::new(
+    "Strength",
+    "How much of all adjustments is shown",
+    0.0..=1.0,
+    1.0,
+);
+
+const SPACES: [(AdjustSpace, &str); 3] = [
+    (AdjustSpace::Display, "Display values"),
+    (AdjustSpace::Linear, "Linear light"),
+    (AdjustSpace::Perceptual, "Perceptual"),
+];
+const SPACE_HINT: &str = "What gain to saturation work on: display values as in image editors, linear light \
+                          as in a camera, or lightness, chroma and hue as the eye has them";
+
 const GAINS: [Number; 3] = [
     Number::new("Gain red", "Factor on red", 0.0..=16.0, 1.0).logarithmic(),
     Number::new("Gain green", "Factor on green", 0.0..=16.0, 1.0).logarithmic(),
     Number::new("Gain blue", "Factor on blue", 0.0..=16.0, 1.0).logarithmic(),
 ];
 const OFFSETS: [Number; 3] = [
-    Number::new("Offset red", "Added to red after the gain", -1.0..=1.0, 0.0),
+    Number::new(
+        "Offset red",
+        "Added to red after the gain",
+        -16.0..=16.0,
+        0.0,
+    )
+    .logarithmic(),
     Number::new(
         "Offset green",
         "Added to green after the gain",
-        -1.0..=1.0,
+        -16.0..=16.0,
         0.0,
-    ),
+    )
+    .logarithmic(),
     Number::new(
         "Offset blue",
         "Added to blue after the gain",
-        -1.0..=1.0,
+        -16.0..=16.0,
         0.0,
-    ),
+    )
+    .logarithmic(),
 ];
 
 /// Draws them.
@@ -66,6 +104,11 @@ pub(crate) fn show(ui: &mut Ui, id: &LayerId, adjust: &Adjust, actions: &mut Vec
     row(ui, &HUE, adjust.hue_deg, &|a, v| a.hue_deg = v);
     row(ui, &SATURATION, adjust.saturation, &|a, v| a.saturation = v);
     row(ui, &GAMMA, adjust.gamma, &|a, v| a.gamma = v);
+    row(ui, &TEMPERATURE, adjust.temperature_k, &|a, v| {
+        a.temperature_k = v
+    });
+    row(ui, &TINT, adjust.tint, &|a, v| a.tint = v);
+    row(ui, &STRENGTH, adjust.strength, &|a, v| a.strength = v);
     CollapsingHeader::new("Channels")
         .default_open(false)
         .show_unindented(ui, |ui| {
@@ -76,21 +119,43 @@ pub(crate) fn show(ui: &mut Ui, id: &LayerId, adjust: &Adjust, actions: &mut Vec
                 row(ui, number, adjust.offset[i], &|a, v| a.offset[i] = v);
             }
         });
+    let set = |change: &dyn Fn(&mut Adjust)| {
+        let mut adjust = adjust.clone();
+        change(&mut adjust);
+        Edit::SetAdjust {
+            id: id.clone(),
+            adjust,
+        }
+    };
+    controls::choice(
+        ui,
+        "Works on",
+        SPACE_HINT,
+        &SPACES,
+        adjust.space,
+        actions,
+        |space| set(&|a| a.space = space),
+    );
+    let mut invert = adjust.invert;
+    let tick = ui.checkbox(&mut invert, "Invert");
+    if tick
+        .on_hover_text("Turn display values over: white becomes black")
+        .changed()
+    {
+        actions.push(Action::Edit(set(&|a| a.invert = invert)));
+    }
+    let unadjusted = Adjust {
+        extra: adjust.extra.clone(),
+        ..Adjust::default()
+    };
     let reset = ui.add_enabled(
-        !adjust.is_identity(),
+        *adjust != unadjusted,
         eframe::egui::Button::new("Reset adjustments"),
     );
     if reset
         .on_hover_text("Show the layer as its file has it")
         .clicked()
     {
-        let adjust = Adjust {
-            extra: adjust.extra.clone(),
-            ..Adjust::default()
-        };
-        actions.push(Action::Edit(Edit::SetAdjust {
-            id: id.clone(),
-            adjust,
-        }));
+        actions.push(Action::Edit(set(&|a| *a = unadjusted.clone())));
     }
 }

@@ -1,5 +1,6 @@
 //! Layers and what they are made of.
 
+use super::adjust::adjust;
 use super::{Twin, filled, text, unless_default};
 use crate::stored::fault::{At, Fault, quote};
 use crate::stored::stretch::StoredStretch;
@@ -300,46 +301,6 @@ fn georeference(
     stored
         .map(|given| Georeference::from_stored(given, &At::Member(at, "georeference")))
         .transpose()
-}
-
-impl Twin for Adjust {
-    type Stored = With<v1::Adjust>;
-
-    fn from_stored(stored: Self::Stored, _: &At<'_>) -> Result<Self, Fault> {
-        let With { fields, extra } = stored;
-        let default = Self::default();
-        Ok(Self {
-            brightness: fields.brightness.unwrap_or(default.brightness),
-            contrast: fields.contrast.unwrap_or(default.contrast),
-            hue_deg: fields.hue_deg.unwrap_or(default.hue_deg),
-            saturation: fields.saturation.unwrap_or(default.saturation),
-            gamma: fields.gamma.unwrap_or(default.gamma),
-            gain: fields.gain.unwrap_or(default.gain),
-            offset: fields.offset.unwrap_or(default.offset),
-            extra,
-        })
-    }
-
-    fn to_stored(&self) -> Self::Stored {
-        let default = Self::default();
-        With {
-            fields: v1::Adjust {
-                brightness: unless_default(self.brightness, &default.brightness),
-                contrast: unless_default(self.contrast, &default.contrast),
-                hue_deg: unless_default(self.hue_deg, &default.hue_deg),
-                saturation: unless_default(self.saturation, &default.saturation),
-                gamma: unless_default(self.gamma, &default.gamma),
-                gain: unless_default(self.gain, &default.gain),
-                offset: unless_default(self.offset, &default.offset),
-            },
-            extra: self.extra.clone(),
-        }
-    }
-}
-
-/// The member `adjust` of the object at `at`.
-pub(super) fn adjust(stored: Option<With<v1::Adjust>>, at: &At<'_>) -> Result<Adjust, Fault> {
-    super::optional(stored, &At::Member(at, "adjust"))
 }
 
 /// Whether a runtime layer of an unknown kind hides a known one, which could not be read back.

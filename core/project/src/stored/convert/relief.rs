@@ -1,6 +1,6 @@
 //! Layers drawn from the shape of the ground, and their tables of colours.
 
-use super::layer::adjust;
+use super::adjust::adjust;
 use super::{Twin, unless_default};
 use crate::stored::colour::StoredColour;
 use crate::stored::fault::{At, Fault};
