@@ -1,12 +1,9 @@
 //! How far one picture is from another: for numbers, for an eye that compares colours, and for one that
 //! looks at structure.
 
-mod ciede2000;
-mod lab;
 mod ssim;
 
-pub use ciede2000::ciede2000;
-pub use lab::Lab;
+pub use relievo_engine::analysis::colour::{Lab, ciede2000};
 pub use ssim::mean_ssim;
 
 /// Size and display values (sRGB encoded, 0 to 1) of a picture, row by row.

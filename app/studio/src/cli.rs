@@ -11,6 +11,7 @@ mod compare;
 mod export;
 mod features;
 mod info;
+mod matching;
 mod measure;
 mod new;
 mod progress;
@@ -71,6 +72,7 @@ enum Command {
     New(new::Arguments),
     Apply(apply::Arguments),
     Compare(compare::Arguments),
+    Match(matching::Arguments),
     Export(export::Arguments),
     Profile(measure::profile::Arguments),
     Contours(measure::contours::Arguments),
@@ -205,6 +207,7 @@ fn carry_out(
         (None, Some(Command::New(a))) => new::run(&a, context),
         (None, Some(Command::Apply(a))) => apply::run(&a, context),
         (None, Some(Command::Compare(a))) => compare::run(&a, context),
+        (None, Some(Command::Match(a))) => matching::run(&a, context),
         (None, Some(Command::Export(a))) => export::run(&a, context),
         (None, Some(Command::Profile(a))) => measure::profile::run(&a, context),
         (None, Some(Command::Contours(a))) => measure::contours::run(&a, context),

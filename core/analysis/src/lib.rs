@@ -10,6 +10,7 @@
 //!
 //! Absent: where heights come from (`relievo-engine` lends its graph), files, pixels.
 
+pub mod colour;
 pub mod contours;
 pub mod flood;
 pub mod frame;

@@ -12,6 +12,7 @@ mod pictures;
 use relievo_planet::MapPoint;
 use relievo_raster::Cancel;
 
+pub use relievo_analysis::colour;
 pub use relievo_analysis::{
     Amount, AnalysisError, Between, Change, ContourLine, ContourSettings, Flood, FloodSettings,
     Ground, LocalFrame, MapBox, Measure, Profile, ProfilePoint, ProfileSettings, RingArea, Sight,

@@ -14,6 +14,8 @@ pub enum Stage {
     Source,
     /// As they meet what lies below.
     Adjusted,
+    /// What lies below.
+    Below,
 }
 
 impl Questions {
@@ -36,7 +38,7 @@ impl Questions {
 
     /// The node behind a stage: a layer's first node makes its samples, its last one lays them over
     /// what is below (its first input).
-    fn stage_of(&self, layer: &LayerId, stage: Stage) -> Option<NodeIndex> {
+    pub(crate) fn stage_of(&self, layer: &LayerId, stage: Stage) -> Option<NodeIndex> {
         let graph = &self.scene.graph;
         let mut own = graph
             .nodes()
@@ -46,6 +48,7 @@ impl Questions {
         match stage {
             Stage::Source => Some(first),
             Stage::Adjusted => graph.inputs(last).get(1).copied(),
+            Stage::Below => graph.inputs(last).first().copied(),
         }
     }
 }

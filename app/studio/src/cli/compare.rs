@@ -1,16 +1,18 @@
-//! `relievo compare`: what differs between two scenarios, in volumes and areas.
+//! `relievo compare`: what differs between two scenarios, in volumes and areas, or between two layers, in
+//! colours.
 
 use std::path::PathBuf;
 
 use relievo_engine::analysis::{MapBox, Version, VolumeSettings};
 use relievo_engine::project::Project;
 
+use super::matching::compare_layers;
 use super::measure::{check_extension, deliver, measured, threads};
 use super::scenario::Scenario;
 use super::{Context, Failure, project, units};
 use crate::report::{self, Format};
 
-/// Measure what differs between two scenarios.
+/// Measure what differs between two scenarios, or the colours of two layers.
 ///
 /// Per element and in total: cut, fill and net volume, plan and surface area, highest cut and fill, mean
 /// slope, each with its discretisation error. From A to B changes are made one after the other in the
@@ -24,8 +26,15 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "base")]
     a: String,
     /// The scenario after, likewise.
-    #[arg(long, value_name = "NAME")]
-    b: String,
+    #[arg(long, value_name = "NAME", required_unless_present = "layers")]
+    b: Option<String>,
+    /// Instead of scenarios, print how far the colours of one layer are from another's (CIEDE2000) as both are
+    /// shown: two names or ids.
+    #[arg(long, value_name = "A,B", value_delimiter = ',', conflicts_with_all = ["b", "bounds", "file"])]
+    layers: Option<Vec<String>>,
+    /// Compare layers only inside these edges, in degrees. Default: wherever both are.
+    #[arg(long, value_name = "W,S,E,N", requires = "layers", allow_hyphen_values = true, value_parser = units::bounds)]
+    region: Option<[f64; 4]>,
     /// The report to write: a page with pictures, JSON or a table. Default: JSON to standard output.
     #[arg(short = 'o', value_name = "REPORT.html|REPORT.json|REPORT.csv")]
     file: Option<PathBuf>,
@@ -42,6 +51,11 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Failure> {
+    if let Some(layers) = &arguments.layers {
+        let region = arguments.region.map(MapBox::from_degrees).transpose();
+        let region = region.map_err(Failure::input)?;
+        return compare_layers(&arguments.project, layers, region.as_ref(), context);
+    }
     let kind = match &arguments.file {
         Some(file) => check_extension(file, &["html", "json", "csv"])?,
         None => "json".to_owned(),
@@ -52,7 +66,8 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     if let Some(file) = &arguments.file {
         project::check_output(file, &[&arguments.project], &engine)?;
     }
-    let [a, b] = [&arguments.a, &arguments.b].map(|name| version(engine.project(), name));
+    let b = arguments.b.as_deref().unwrap_or_default();
+    let [a, b] = [arguments.a.as_str(), b].map(|name| version(engine.project(), name));
     let (a, b) = (a?, b?);
     let comparison = engine
         .comparison(&a, &b, bounds.as_ref())

@@ -526,3 +526,60 @@ fn a_missing_file_is_found_by_its_name_and_linked_by_the_edit_that_check_gives()
     let line = refused(&["check", &project, "--search", &dem]);
     assert!(line.contains("expected a folder"), "{line}");
 }
+
+#[test]
+fn a_layer_matched_to_another_looks_like_it_and_stays_editable() {
+    let folder = tempfile::tempdir().unwrap();
+    let aerial = sample_file("data/provo-aerial.tif");
+    let layer = |id: &str, adjust: &str| {
+        format!(
+            r#"{{"id": "{id}", "name": "{id}", "kind": "imagery", "path": "{aerial}", "adjust": {adjust}}}"#
+        )
+    };
+    let hazy = r#"{"gain": [0.7, 0.8, 0.6], "offset": [0.1, 0.12, 0.2]}"#;
+    let text = format!(
+        r#"{{"version": 1, "layers": [{}, {}]}}"#,
+        layer("below", hazy),
+        layer("above", "{}")
+    );
+    let project = text_file(folder.path(), "two.relievo", &text);
+    let before = good(&["compare", &project, "--layers", "above,below"]).json();
+    assert!(
+        before["ciede2000"]["mean"].as_f64().unwrap() > 5.0,
+        "{before}"
+    );
+    for (method, most) in [("mean", 0.1), ("histogram", 1.0), ("regression", 0.1)] {
+        let edits = in_folder(folder.path(), "edits.json");
+        let told = good(&[
+            "match", &project, "--layer", "above", "--method", method, "-o", &edits,
+        ])
+        .json();
+        assert_eq!(
+            told["ciede2000_before"]["mean"],
+            before["ciede2000"]["mean"]
+        );
+        let matched = in_folder(folder.path(), "matched.relievo");
+        good(&["apply", &project, &edits, "-o", &matched]);
+        let after = good(&["compare", &matched, "--layers", "above,below"]).json();
+        let mean = after["ciede2000"]["mean"].as_f64().unwrap();
+        assert!(mean < most, "{method}: {mean}");
+        // What was foretold is what is shown.
+        let foretold = told["ciede2000_after"]["mean"].as_f64().unwrap();
+        assert!(
+            (mean - foretold).abs() < 0.25,
+            "{method}: {mean} {foretold}"
+        );
+    }
+    let unknown = refused(&["match", &project, "--layer", "nothing"]);
+    assert!(
+        unknown.contains("nothing") && unknown.contains("below, above"),
+        "{unknown}"
+    );
+    let lowest = refused(&["match", &project, "--layer", "below"]);
+    assert!(lowest.contains("below"), "{lowest}");
+    let elsewhere = refused(&["match", &project, "--layer", "above", "--region", "0,0,1,1"]);
+    assert!(
+        elsewhere.contains("at least 50 places") && elsewhere.contains("found 0"),
+        "{elsewhere}"
+    );
+}
