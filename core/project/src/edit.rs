@@ -11,6 +11,10 @@ use crate::{
 
 /// One change of a project. Values replace the old ones as a whole.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "few edits are held at once, and undo counts their bytes"
+)]
 pub enum Edit {
     /// Adds a layer at a position counted from the bottom; `None`: on top.
     AddLayer {

@@ -66,6 +66,10 @@ impl Layer {
 
 /// What a layer is.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a project has dozens of layers, most of them imagery"
+)]
 pub enum LayerKind {
     /// Colours from a raster file.
     Imagery(ImageryLayer),

@@ -1,6 +1,6 @@
 //! `relievo match`: an adjustment by which a layer looks like another, as an edit.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use relievo_engine::MatchTarget;
 use relievo_engine::analysis::MapBox;
@@ -98,7 +98,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
 
 /// The differences of two layers, as `relievo compare --layers` prints them.
 pub(super) fn compare_layers(
-    file: &PathBuf,
+    file: &Path,
     layers: &[String],
     region: Option<&MapBox>,
     context: &mut Context,

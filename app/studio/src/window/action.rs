@@ -13,6 +13,10 @@ use super::tools::Spot;
 use crate::commands::Command;
 
 /// Something that a panel asks the studio to do once the panel is drawn.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a frame has a handful of actions"
+)]
 #[derive(Clone, Debug)]
 pub(crate) enum Action {
     /// Changes the project.

@@ -222,7 +222,7 @@ impl Adjust {
         match &self.light {
             None => {}
             Some(Light::Affine(map)) => {
-                map.as_flattened().iter().for_each(|v| float(&mut name, *v))
+                map.as_flattened().iter().for_each(|v| float(&mut name, *v));
             }
             Some(Light::Perceptual(maps)) => maps.numbers().for_each(|v| float(&mut name, v)),
         }
@@ -269,10 +269,7 @@ impl Adjust {
             match light {
                 Light::Affine(map) => map_lanes(map, colours),
                 Light::Perceptual(map) => {
-                    for l in 0..LANES {
-                        let rgb = map.apply([colours[0][l], colours[1][l], colours[2][l]]);
-                        (colours[0][l], colours[1][l], colours[2][l]) = (rgb[0], rgb[1], rgb[2]);
-                    }
+                    each_colour(colours, |rgb, _| *rgb = map.apply(*rgb));
                 }
             }
             for lanes in colours.iter_mut().take(3) {
@@ -297,11 +294,11 @@ impl Adjust {
             }
         }
         if let Some(clear) = &self.clear {
-            for l in 0..LANES {
-                let (rgb, left) = clear.apply([colours[0][l], colours[1][l], colours[2][l]]);
-                (colours[0][l], colours[1][l], colours[2][l]) = (rgb[0], rgb[1], rgb[2]);
-                colours[3][l] *= left;
-            }
+            each_colour(colours, |rgb, alpha| {
+                let left;
+                (*rgb, left) = clear.apply(*rgb);
+                *alpha *= left;
+            });
         }
         if self.strength != 1.0 {
             self.weaken(&before, colours);
@@ -353,6 +350,18 @@ impl Adjust {
         let mut colours = rgba.map(|v| [v; LANES]);
         self.adjust_lanes(&mut colours);
         colours.map(|lanes| lanes[0])
+    }
+}
+
+/// Calls `each` with every colour and its alpha.
+#[inline(always)]
+fn each_colour(colours: &mut Colours, each: impl Fn(&mut [f32; 3], &mut f32)) {
+    let [red, green, blue, alpha] = colours;
+    let lanes = red.iter_mut().zip(green).zip(blue).zip(alpha);
+    for (((r, g), b), a) in lanes {
+        let mut rgb = [*r, *g, *b];
+        each(&mut rgb, a);
+        [*r, *g, *b] = rgb;
     }
 }
 

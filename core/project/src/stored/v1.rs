@@ -468,7 +468,7 @@ pub(crate) enum LayerKind {
     /// `noise`.
     Noise(Noise),
     /// `tint`.
-    Tint(Tint),
+    Tint(Box<Tint>),
     /// `slope`.
     Slope(Slope),
     /// `contours`.
@@ -492,7 +492,7 @@ impl Stored for Layer {
             "imagery" => LayerKind::Imagery(Box::new(Imagery::take(&mut map, at)?)),
             "height" => LayerKind::Height(Height::take(&mut map, at)?),
             "noise" => LayerKind::Noise(Noise::take(&mut map, at)?),
-            "tint" => LayerKind::Tint(Tint::take(&mut map, at)?),
+            "tint" => LayerKind::Tint(Box::new(Tint::take(&mut map, at)?)),
             "slope" => LayerKind::Slope(Slope::take(&mut map, at)?),
             "contours" => LayerKind::Contours(Contours::take(&mut map, at)?),
             "vector" => LayerKind::Vector(Box::new(Vector::take(&mut map, at)?)),
@@ -513,7 +513,7 @@ impl Stored for Layer {
             LayerKind::Imagery(imagery) => put(imagery.as_ref(), &mut map),
             LayerKind::Height(height) => put(height, &mut map),
             LayerKind::Noise(noise) => put(noise, &mut map),
-            LayerKind::Tint(tint) => put(tint, &mut map),
+            LayerKind::Tint(tint) => put(&**tint, &mut map),
             LayerKind::Slope(slope) => put(slope, &mut map),
             LayerKind::Contours(contours) => put(contours, &mut map),
             LayerKind::Vector(vector) => put(vector.as_ref(), &mut map),

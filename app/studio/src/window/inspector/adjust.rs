@@ -105,7 +105,7 @@ pub(crate) fn show(ui: &mut Ui, id: &LayerId, adjust: &Adjust, actions: &mut Vec
     row(ui, &SATURATION, adjust.saturation, &|a, v| a.saturation = v);
     row(ui, &GAMMA, adjust.gamma, &|a, v| a.gamma = v);
     row(ui, &TEMPERATURE, adjust.temperature_k, &|a, v| {
-        a.temperature_k = v
+        a.temperature_k = v;
     });
     row(ui, &TINT, adjust.tint, &|a, v| a.tint = v);
     row(ui, &STRENGTH, adjust.strength, &|a, v| a.strength = v);

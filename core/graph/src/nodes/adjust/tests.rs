@@ -3,8 +3,8 @@ use proptest::prelude::*;
 use super::affine::LUMA;
 use super::*;
 
-fn adjusted(params: AdjustParams, rgb: [f32; 3]) -> [f32; 3] {
-    let [r, g, b, a] = Adjust::new(&params).colour([rgb[0], rgb[1], rgb[2], 1.0]);
+fn adjusted(params: &AdjustParams, rgb: [f32; 3]) -> [f32; 3] {
+    let [r, g, b, a] = Adjust::new(params).colour([rgb[0], rgb[1], rgb[2], 1.0]);
     assert_eq!(a, 1.0);
     [r, g, b]
 }
@@ -41,7 +41,7 @@ fn each_step_does_what_its_name_says() {
     let grey = [0.25; 3];
     assert_eq!(
         adjusted(
-            AdjustParams {
+            &AdjustParams {
                 brightness: 0.25,
                 ..AdjustParams::default()
             },
@@ -51,7 +51,7 @@ fn each_step_does_what_its_name_says() {
     );
     assert_eq!(
         adjusted(
-            AdjustParams {
+            &AdjustParams {
                 contrast: 2.0,
                 ..AdjustParams::default()
             },
@@ -61,7 +61,7 @@ fn each_step_does_what_its_name_says() {
     );
     assert!(close(
         adjusted(
-            AdjustParams {
+            &AdjustParams {
                 gamma: 2.0,
                 ..AdjustParams::default()
             },
@@ -74,10 +74,10 @@ fn each_step_does_what_its_name_says() {
         offset: [0.0, 0.5, 1.0],
         ..AdjustParams::default()
     };
-    assert_eq!(adjusted(offset, grey), [0.5, 0.75, 1.0]);
+    assert_eq!(adjusted(&offset, grey), [0.5, 0.75, 1.0]);
     let grey_luma = luma([1.0, 0.5, 0.0]) as f32;
     let faded = adjusted(
-        AdjustParams {
+        &AdjustParams {
             saturation: 0.0,
             ..AdjustParams::default()
         },
@@ -95,7 +95,7 @@ fn gain_comes_before_contrast_and_gamma_comes_last() {
         ..AdjustParams::default()
     };
     // 0.25 → 0.5 → 0.5 → 0.25
-    assert!(close(adjusted(params, [0.25; 3]), [0.25; 3]));
+    assert!(close(adjusted(&params, [0.25; 3]), [0.25; 3]));
 }
 
 #[test]
@@ -139,8 +139,8 @@ fn levels_take_black_and_white_points_to_the_ends() {
         p.gain = [2.0; 3];
         p.offset = [-0.4; 3];
     });
-    assert!(close(adjusted(stretch.clone(), [0.2; 3]), [0.0; 3]));
-    assert!(close(adjusted(stretch, [0.7; 3]), [1.0; 3]));
+    assert!(close(adjusted(&stretch, [0.2; 3]), [0.0; 3]));
+    assert!(close(adjusted(&stretch, [0.7; 3]), [1.0; 3]));
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn channels_are_mixed_before_their_gain() {
         p.mix = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
         p.gain = [0.5, 1.0, 1.0];
     });
-    assert!(close(adjusted(swap, [0.1, 0.2, 0.8]), [0.4, 0.2, 0.1]));
+    assert!(close(adjusted(&swap, [0.1, 0.2, 0.8]), [0.4, 0.2, 0.1]));
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn contrast_keeps_the_same_grey_in_every_space() {
             p.space = space;
             p.contrast = 1.7;
         });
-        assert!(close(adjusted(params, [0.5; 3]), [0.5; 3]), "{space:?}");
+        assert!(close(adjusted(&params, [0.5; 3]), [0.5; 3]), "{space:?}");
     }
 }
 
@@ -175,7 +175,7 @@ fn gain_in_linear_light_is_exposure() {
         p.space = AdjustSpace::Linear;
         p.gain = [2.0; 3];
     });
-    assert!(close(adjusted(params, [srgb(0.1); 3]), [srgb(0.2); 3]));
+    assert!(close(adjusted(&params, [srgb(0.1); 3]), [srgb(0.2); 3]));
 }
 
 #[test]
@@ -184,13 +184,13 @@ fn perceptual_saturation_and_hue_keep_greys_and_lightness_order() {
         p.space = AdjustSpace::Perceptual;
         p.saturation = 0.0;
     });
-    let [r, g, b] = adjusted(params, [0.9, 0.2, 0.3]);
+    let [r, g, b] = adjusted(&params, [0.9, 0.2, 0.3]);
     assert!((r - g).abs() < 1e-4 && (g - b).abs() < 1e-4, "{r} {g} {b}");
     let turned = with(|p| {
         p.space = AdjustSpace::Perceptual;
         p.hue_deg = 90.0;
     });
-    let grey = adjusted(turned, [0.4; 3]);
+    let grey = adjusted(&turned, [0.4; 3]);
     assert!(grey.iter().all(|v| (v - 0.4).abs() < 1e-4), "{grey:?}");
 }
 
@@ -202,7 +202,7 @@ fn curves_come_after_gamma_and_the_common_one_first() {
         p.curves[2] = Curve::through(&[[0.0, 1.0], [1.0, 0.0]]);
     });
     // 0.25 → 0.5 → 0.25, blue 0.75.
-    let [r, g, b] = adjusted(params, [0.25; 3]);
+    let [r, g, b] = adjusted(&params, [0.25; 3]);
     assert!(
         (r - 0.25).abs() < 1e-5 && r == g && (b - 0.75).abs() < 1e-5,
         "{r} {g} {b}"
@@ -212,14 +212,14 @@ fn curves_come_after_gamma_and_the_common_one_first() {
 #[test]
 fn inversion_twice_is_nothing_and_curves_are_inverted_after() {
     let inverted = with(|p| p.invert = true);
-    let once = adjusted(inverted.clone(), [0.1, 0.5, 0.8]);
+    let once = adjusted(&inverted, [0.1, 0.5, 0.8]);
     assert!(close(once, [0.9, 0.5, 0.2]));
-    assert!(close(adjusted(inverted, once), [0.1, 0.5, 0.8]));
+    assert!(close(adjusted(&inverted, once), [0.1, 0.5, 0.8]));
     let both = with(|p| {
         p.invert = true;
         p.curve = Curve::through(&[[0.0, 0.5], [1.0, 0.5]]);
     });
-    assert!(close(adjusted(both, [0.3; 3]), [0.5; 3]));
+    assert!(close(adjusted(&both, [0.3; 3]), [0.5; 3]));
 }
 
 #[test]
@@ -256,7 +256,7 @@ fn no_strength_is_the_identity_and_half_is_half_way() {
         p.gain = [0.0; 3];
         p.strength = 0.5;
     });
-    assert!(close(adjusted(half, [0.2, 0.4, 0.8]), [0.1, 0.2, 0.4]));
+    assert!(close(adjusted(&half, [0.2, 0.4, 0.8]), [0.1, 0.2, 0.4]));
 }
 
 #[test]
@@ -357,7 +357,7 @@ proptest! {
     fn turning_hue_keeps_luma_and_greys_and_adds_up(
         rgb in prop::array::uniform3(0.0..1.0_f32), a in -400.0..400.0_f64, b in -400.0..400.0_f64,
     ) {
-        let turn = |hue_deg, rgb| adjusted(AdjustParams { hue_deg, ..AdjustParams::default() }, rgb);
+        let turn = |hue_deg, rgb| adjusted(&AdjustParams { hue_deg, ..AdjustParams::default() }, rgb);
         prop_assert!((luma(turn(a, rgb)) - luma(rgb)).abs() < 1e-6);
         prop_assert!(close(turn(a, [rgb[0]; 3]), [rgb[0]; 3]));
         prop_assert!(close(turn(a, turn(b, rgb)), turn(a + b, rgb)));

@@ -49,11 +49,17 @@ impl WhiteBalance {
     /// white to the neutral one, both on or beside Krystek's approximation of the black-body locus.
     pub(super) fn map(self) -> Affine {
         let sane = |v: f64, default: f64| if v.is_finite() { v } else { default };
-        let temperature_k = sane(self.temperature_k, NEUTRAL_K).clamp(1667.0, 25_000.0);
-        let tint = sane(self.tint, 0.0).clamp(-100.0, 100.0);
-        if temperature_k == NEUTRAL_K && tint == 0.0 {
+        let light = Self {
+            temperature_k: sane(self.temperature_k, NEUTRAL_K).clamp(1667.0, 25_000.0),
+            tint: sane(self.tint, 0.0).clamp(-100.0, 100.0),
+        };
+        if light == Self::default() {
             return Affine::IDENTITY;
         }
+        let Self {
+            temperature_k,
+            tint,
+        } = light;
         let to_cones = glam(BRADFORD) * glam(XYZ_FROM_RGB);
         let cones = |temperature_k: f64, tint: f64| {
             glam(BRADFORD) * xyz_of_uv(white_uv(temperature_k, tint * DUV_PER_TINT))

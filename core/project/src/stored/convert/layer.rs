@@ -67,7 +67,7 @@ impl Twin for Layer {
             v1::LayerKind::Noise(noise) => LayerKind::Noise(NoiseLayer {
                 noise: Noise::from_stored(noise, at)?,
             }),
-            v1::LayerKind::Tint(tint) => LayerKind::Tint(TintLayer::from_stored(tint, at)?),
+            v1::LayerKind::Tint(tint) => LayerKind::Tint(TintLayer::from_stored(*tint, at)?),
             v1::LayerKind::Slope(slope) => LayerKind::Slope(SlopeLayer::from_stored(slope, at)?),
             v1::LayerKind::Contours(contours) => {
                 LayerKind::Contours(ContoursLayer::from_stored(contours, at)?)
@@ -104,7 +104,7 @@ impl Twin for Layer {
                 }
                 LayerKind::Height(height) => v1::LayerKind::Height(height.to_stored()),
                 LayerKind::Noise(noise) => v1::LayerKind::Noise(noise.noise.to_stored()),
-                LayerKind::Tint(tint) => v1::LayerKind::Tint(tint.to_stored()),
+                LayerKind::Tint(tint) => v1::LayerKind::Tint(Box::new(tint.to_stored())),
                 LayerKind::Slope(slope) => v1::LayerKind::Slope(slope.to_stored()),
                 LayerKind::Contours(contours) => v1::LayerKind::Contours(contours.to_stored()),
                 LayerKind::Vector(vector) => v1::LayerKind::Vector(Box::new(vector.to_stored())),
