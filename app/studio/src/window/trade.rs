@@ -152,7 +152,7 @@ fn plot(ui: &mut Ui, governor: &Governor, text: &str) {
     );
 }
 
-/// Marks at 1, 2 and 5 of every power of ten; the axis counts powers of ten.
+/// Marks at every power of ten, with 2 and 5 of each where there is room; the axis counts powers of ten.
 fn decades((low, high): (f64, f64)) -> Vec<GridMark> {
     if !(high - low).is_finite() || high - low > 20.0 {
         return Vec::new();
