@@ -25,6 +25,14 @@ const CELLS: i64 = 8;
 /// Below this a place is not covered.
 const COVERED: f32 = 0.99;
 
+/// All of the map.
+const WHOLE: MapBox = MapBox {
+    west_rad: -core::f64::consts::PI,
+    east_rad: core::f64::consts::PI,
+    north_colat_rad: 0.0,
+    south_colat_rad: core::f64::consts::PI,
+};
+
 /// What a layer is to look like.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MatchTarget {
@@ -95,7 +103,11 @@ impl Questions {
             MatchTarget::Layer(other) => self.coloured(other, Stage::Adjusted),
             MatchTarget::Below => {
                 let below = self.stage_of(layer, Stage::Below);
-                below.filter(|node| self.has_colours(*node)).ok_or_else(|| {
+                let shows = |node: &NodeIndex| {
+                    let known = self.scene.graph.known(*node, &grid(&WHOLE, PLACES));
+                    self.has_colours(*node) && !known.is_absent(Bands::Colour)
+                };
+                below.filter(shows).ok_or_else(|| {
                     let found = layer.0.as_str();
                     refused(format!(
                         "expected a layer above others, found {found:?} with nothing below"
@@ -127,13 +139,7 @@ impl Questions {
         area: Option<&MapBox>,
         task: &Task,
     ) -> Result<Vec<ColourPair>, AnalysisError> {
-        let whole = MapBox {
-            west_rad: -core::f64::consts::PI,
-            east_rad: core::f64::consts::PI,
-            north_colat_rad: 0.0,
-            south_colat_rad: core::f64::consts::PI,
-        };
-        let area = self.common(nodes, area.unwrap_or(&whole));
+        let area = self.common(nodes, area.unwrap_or(&WHOLE));
         let grid = grid(&area, PLACES);
         let mut pairs = Vec::new();
         for row in (0..PLACES.y).step_by(BAND as usize) {

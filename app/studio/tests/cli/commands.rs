@@ -576,7 +576,7 @@ fn a_layer_matched_to_another_looks_like_it_and_stays_editable() {
         "{unknown}"
     );
     let lowest = refused(&["match", &project, "--layer", "below"]);
-    assert!(lowest.contains("below"), "{lowest}");
+    assert!(lowest.contains("nothing below"), "{lowest}");
     let elsewhere = refused(&["match", &project, "--layer", "above", "--region", "0,0,1,1"]);
     assert!(
         elsewhere.contains("at least 50 places") && elsewhere.contains("found 0"),

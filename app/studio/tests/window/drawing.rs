@@ -85,6 +85,10 @@ fn a_click_counts_however_long_the_frame_in_it_takes() {
 #[test]
 fn a_click_counts_where_it_was_and_not_where_the_pointer_went_in_the_same_frame() {
     let mut window = Window::open(PLAIN);
+    // Places come from the ground that is there, which gets finer until then.
+    window.until("the whole picture", |w| {
+        w.harness.query_by_label("complete").is_some()
+    });
     window.draw_triangle();
     let drawn = window.outline();
     window.press(Modifiers::COMMAND, Key::Z);
