@@ -1,6 +1,7 @@
-//! What users measure on the ground: lengths, areas, profiles, contours, sight, water, volumes.
+//! What users measure on the ground: lengths, areas, profiles, contours, sight, water, volumes; and how
+//! the colours of two pictures of it differ and are matched ([`colour`]).
 //!
-//! Pure functions over a [`Ground`], which gives heights on any grid. Everything is evaluated at the
+//! Pure functions over a [`Ground`], which gives heights on any grid, or over pairs of colours. Heights are evaluated at the
 //! spacing of the data (or finer, where a measure converges) and never on what a screen shows, so
 //! that no answer depends on the zoom. Every metre is one of the planet's ellipsoid.
 //!

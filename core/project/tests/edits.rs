@@ -6,10 +6,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use relievo_project::{
-    Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ContoursLayer, Edit, Georeference,
-    HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Noise,
-    NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source,
-    Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop,
+    Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ClearColour, ContoursLayer, CurvePoint,
+    Edit, Extra, Georeference, HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId,
+    LayerKind, Noise, NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer,
+    SlopeStop, Source, Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop, ToneCurves,
 };
 
 const EVERYTHING: &str = include_str!("data/everything.relievo");
@@ -93,7 +93,7 @@ fn edit() -> impl Strategy<Value = Edit> {
             let georeference = Georeference {
                 crs,
                 extent: None,
-                extra: relievo_project::Extra::new(),
+                extra: Extra::new(),
             };
             Edit::SetGeoreference {
                 id,
@@ -413,6 +413,54 @@ fn values_that_no_file_can_hold_are_refused() {
             adjust,
         })
         .unwrap_err();
+    assert_eq!(project.to_json(), EVERYTHING);
+}
+
+#[test]
+fn adjustments_beyond_their_ranges_or_without_sense_are_refused_by_member() {
+    let point = |input, output| CurvePoint {
+        input,
+        output,
+        extra: Extra::new(),
+    };
+    let curves = |points: &[CurvePoint]| ToneCurves {
+        channels: [Vec::new(), points.to_vec(), Vec::new()],
+        ..ToneCurves::default()
+    };
+    let clear = |from, to| ClearColour {
+        colour: [0, 255, 0],
+        from,
+        to,
+        extra: Extra::new(),
+    };
+    let mut project = everything();
+    let mut refused = |change: &dyn Fn(&mut Adjust), member: &str| {
+        let mut adjust = Adjust::default();
+        change(&mut adjust);
+        let edit = Edit::SetAdjust {
+            id: "blue-marble".into(),
+            adjust,
+        };
+        let line = project.apply(edit).unwrap_err().to_string();
+        assert!(line.contains(member), "{member}: {line}");
+    };
+    refused(&|a| a.temperature_k = 900.0, "temperature_k");
+    refused(&|a| a.tint = f64::NAN, "tint");
+    refused(&|a| a.mix[1][2] = 17.0, "mix_green/2");
+    refused(&|a| a.strength = 1.1, "strength");
+    refused(
+        &|a| a.curves = curves(&[point(0.5, 0.1), point(0.5, 0.2)]),
+        "curves/green/1/input",
+    );
+    refused(
+        &|a| a.curves = curves(&[point(0.5, 1.1)]),
+        "curves/green/0/output",
+    );
+    refused(
+        &|a| a.curves = curves(&vec![point(0.0, 0.0); 300]),
+        "at most 256 points",
+    );
+    refused(&|a| a.clear = Some(clear(0.5, 0.5)), "clear/to");
     assert_eq!(project.to_json(), EVERYTHING);
 }
 

@@ -124,18 +124,18 @@ fn channel_balance(
     channel: usize,
 ) -> Vec<[f64; 2]> {
     let total: f64 = overlaps.iter().map(|o| o.weight).sum::<f64>().max(1.0);
-    let mut normal = Normal::new(2 * pictures);
+    let mut equations = Equations::new(2 * pictures);
     for o in overlaps {
         let weight = o.weight / total;
         let (a, b) = (2 * o.first, 2 * o.second);
         let (ma, mb) = (o.first_mean[channel], o.second_mean[channel]);
         let (sa, sb) = (o.first_deviation[channel], o.second_deviation[channel]);
-        normal.add(
+        equations.add(
             &[(a, ma), (a + 1, 1.0), (b, -mb), (b + 1, -1.0)],
             mb - ma,
             weight,
         );
-        normal.add(&[(a, sa), (b, -sb)], sb - sa, weight);
+        equations.add(&[(a, sa), (b, -sb)], sb - sa, weight);
     }
     for picture in 0..pictures {
         let stay = if held == Some(picture) {
@@ -143,16 +143,16 @@ fn channel_balance(
         } else {
             STAY / pictures.max(1) as f64
         };
-        normal.add(&[(2 * picture, 1.0)], 0.0, stay);
-        normal.add(&[(2 * picture + 1, 1.0)], 0.0, stay);
+        equations.add(&[(2 * picture, 1.0)], 0.0, stay);
+        equations.add(&[(2 * picture + 1, 1.0)], 0.0, stay);
     }
     if held.is_none() {
         for part in 0..2 {
             let all: Vec<(usize, f64)> = (0..pictures).map(|p| (2 * p + part, 1.0)).collect();
-            normal.add(&all, 0.0, 1.0);
+            equations.add(&all, 0.0, 1.0);
         }
     }
-    let solution = normal.solve();
+    let solution = equations.solve();
     solution
         .chunks_exact(2)
         .map(|pair| [1.0 + pair[0], pair[1]])
@@ -160,13 +160,13 @@ fn channel_balance(
 }
 
 /// Equations of least squares, gathered: symmetric, positive definite once every unknown has a wish.
-struct Normal {
+struct Equations {
     size: usize,
     matrix: Vec<f64>,
     right: Vec<f64>,
 }
 
-impl Normal {
+impl Equations {
     fn new(size: usize) -> Self {
         Self {
             size,

@@ -27,8 +27,12 @@ fields! {
         temperature_k: Option<f64> = range::TEMPERATURE_K,
         /// Green of the light in the picture, higher turns it magenta; 0 where left out.
         tint: Option<f64> = range::LIGHT_TINT,
-        /// Channels out of channels; each its own where left out.
-        mix: Option<With<Mix>>,
+        /// Factors of red, green and blue that make red; red alone where left out.
+        mix_red: Option<[f64; 3]> => range::SIGNED_GAIN,
+        /// Factors of red, green and blue that make green; green alone where left out.
+        mix_green: Option<[f64; 3]> => range::SIGNED_GAIN,
+        /// Factors of red, green and blue that make blue; blue alone where left out.
+        mix_blue: Option<[f64; 3]> => range::SIGNED_GAIN,
         /// Tone curves on display values; none where left out.
         curves: Option<With<ToneCurves>>,
         /// Whether display values are turned over; not where left out.
@@ -49,18 +53,6 @@ names! {
         Linear = "linear",
         /// Lightness, chroma and hue as the eye has them (Oklab).
         Perceptual = "perceptual",
-    }
-}
-
-fields! {
-    /// Factors of red, green and blue for each channel.
-    Mix {
-        /// What makes red.
-        red: [f64; 3] => range::SIGNED_GAIN,
-        /// What makes green.
-        green: [f64; 3] => range::SIGNED_GAIN,
-        /// What makes blue.
-        blue: [f64; 3] => range::SIGNED_GAIN,
     }
 }
 

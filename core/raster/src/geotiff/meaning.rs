@@ -77,6 +77,9 @@ impl Choice {
         let alpha = match (selected.len(), alpha) {
             // The fourth that is asked for is alpha, multiplied in only where the file says so of it.
             (4, own) => selected.pop().map(|band| (band, own == Some((band, true)))),
+            // Who names three bands means these: what files call alpha is often a fourth band of
+            // a camera (near infrared). Multiplied in, it belongs to the colours.
+            (3, Some((_, false))) if options.select.is_some() => None,
             (_, own) => own.filter(|(band, _)| !selected.contains(band)),
         };
         Ok(Self {

@@ -1,5 +1,7 @@
 //! Affine maps of colours: what most adjustments are, so that several cost no more than one.
 
+use glam::DMat3;
+
 /// Rec. 709 weights of red, green and blue in luma (display values) and luminance (linear light).
 pub(super) const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
@@ -14,9 +16,14 @@ impl Affine {
         [0.0, 0.0, 1.0, 0.0],
     ]);
 
-    /// A matrix alone.
+    /// A matrix alone, by its rows.
     pub(super) fn linear(m: [[f64; 3]; 3]) -> Self {
         Self(m.map(|[r, g, b]| [r, g, b, 0.0]))
+    }
+
+    /// A matrix alone.
+    pub(super) fn of(m: DMat3) -> Self {
+        Self::linear(core::array::from_fn(|r| m.row(r).to_array()))
     }
 
     /// Factors and sums of each channel.
@@ -80,6 +87,11 @@ impl Affine {
     pub(super) fn singles(self) -> [[f32; 4]; 3] {
         self.0.map(|row| row.map(|v| v as f32 + 0.0))
     }
+}
+
+/// The matrix of these rows.
+pub(super) fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
+    DMat3::from_cols_array_2d(&rows).transpose()
 }
 
 fn luma_mix(s: f64) -> [[f64; 3]; 3] {

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use relievo_raster::power::power;
 
-use super::affine::Affine;
+use super::affine::{Affine, matrix};
 
 /// Adjustments in Oklab: of linear light to cones, their cube roots, an affine map, and back.
 ///
@@ -31,14 +31,6 @@ const LAB: [[f64; 3]; 3] = [
     [1.977_998_495_1, -2.428_592_205_0, 0.450_593_709_9],
     [0.025_904_037_1, 0.782_771_766_2, -0.808_675_766_0],
 ];
-
-fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
-    DMat3::from_cols_array_2d(&rows).transpose()
-}
-
-fn rows(matrix: DMat3) -> [[f64; 3]; 3] {
-    core::array::from_fn(|r| matrix.row(r).to_array())
-}
 
 /// What is done to lightness and chroma.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,14 +66,14 @@ impl Perceptual {
         let back = lab.inverse();
         let lift = 0.5 * (1.0 - strokes.contrast) + strokes.brightness * strokes.contrast;
         let lift = back * DVec3::new(lift, 0.0, 0.0);
-        let mut roots = Affine::linear(rows(back * turned * lab));
+        let mut roots = Affine::of(back * turned * lab);
         for (row, lift) in roots.0.iter_mut().zip(lift.to_array()) {
             row[3] = lift;
         }
         Self {
             cones: Affine::linear(CONES).after(first).singles(),
             roots: roots.singles(),
-            light: Affine::linear(rows(cones.inverse())).singles(),
+            light: Affine::of(cones.inverse()).singles(),
         }
     }
 

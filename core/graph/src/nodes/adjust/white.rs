@@ -1,6 +1,8 @@
 //! White balance: the white of the light that a picture was taken in becomes the display's.
 
-use super::affine::Affine;
+use glam::{DMat3, DVec2, DVec3};
+
+use super::affine::{Affine, matrix};
 
 /// The white of a picture's light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,31 +62,26 @@ impl WhiteBalance {
             temperature_k,
             tint,
         } = light;
-        let to_cones = glam(BRADFORD) * glam(XYZ_FROM_RGB);
+        let to_cones = matrix(BRADFORD) * matrix(XYZ_FROM_RGB);
         let cones = |temperature_k: f64, tint: f64| {
-            glam(BRADFORD) * xyz_of_uv(white_uv(temperature_k, tint * DUV_PER_TINT))
+            matrix(BRADFORD) * xyz_of_uv(white_uv(temperature_k, tint * DUV_PER_TINT))
         };
         let scale = cones(NEUTRAL_K, 0.0) / cones(temperature_k, tint);
-        let map = to_cones.inverse() * glam::DMat3::from_diagonal(scale) * to_cones;
+        let map = to_cones.inverse() * DMat3::from_diagonal(scale) * to_cones;
         // Light is not changed in its luminance: a white balance is not an exposure.
-        let luminance = glam::DVec3::from(XYZ_FROM_RGB[1]);
-        let white = luminance.dot(map * glam::DVec3::ONE) / luminance.element_sum();
+        let luminance = DVec3::from(XYZ_FROM_RGB[1]);
+        let white = luminance.dot(map * DVec3::ONE) / luminance.element_sum();
         let map = map * white.recip();
-        Affine::linear(core::array::from_fn(|r| map.row(r).to_array()))
+        Affine::of(map)
     }
-}
-
-/// A matrix from its rows.
-fn glam(rows: [[f64; 3]; 3]) -> glam::DMat3 {
-    glam::DMat3::from_cols_array_2d(&rows).transpose()
 }
 
 /// CIE 1960 (u, v) of a black body, moved off the locus by `duv` (above 0 towards green).
 ///
 /// Source: \[Kry85\]; within 8·10⁻⁵ in u and 9·10⁻⁵ in v from 1000 to 15,000 K.
-fn white_uv(temperature_k: f64, duv: f64) -> glam::DVec2 {
+fn white_uv(temperature_k: f64, duv: f64) -> DVec2 {
     let at = |t: f64| {
-        glam::DVec2::new(
+        DVec2::new(
             (0.860_117_757 + 1.541_182_54e-4 * t + 1.286_412_12e-7 * t * t)
                 / (1.0 + 8.424_202_35e-4 * t + 7.081_451_63e-7 * t * t),
             (0.317_398_726 + 4.228_062_45e-5 * t + 4.204_816_91e-8 * t * t)
@@ -97,9 +94,9 @@ fn white_uv(temperature_k: f64, duv: f64) -> glam::DVec2 {
 }
 
 /// XYZ with Y = 1.
-fn xyz_of_uv(uv: glam::DVec2) -> glam::DVec3 {
+fn xyz_of_uv(uv: DVec2) -> DVec3 {
     let (u, v) = (uv.x, uv.y);
-    glam::DVec3::new(1.5 * u / v, 1.0, (2.0 - 0.5 * u) / v - 5.0)
+    DVec3::new(1.5 * u / v, 1.0, (2.0 - 0.5 * u) / v - 5.0)
 }
 
 #[cfg(test)]
@@ -124,7 +121,7 @@ mod tests {
             "{a}"
         );
         // The neutral white in XYZ lies beside the locus by less than D65's own distance, 0.0033.
-        let d65 = glam::DVec2::new(0.1978, 0.3122);
+        let d65 = DVec2::new(0.1978, 0.3122);
         assert!(white_uv(NEUTRAL_K, 0.0).distance(d65) < 0.004);
     }
 

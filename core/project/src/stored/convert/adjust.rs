@@ -19,9 +19,11 @@ impl Twin for Adjust {
             space: fields.space.map_or(default.space, Into::into),
             temperature_k: fields.temperature_k.unwrap_or(default.temperature_k),
             tint: fields.tint.unwrap_or(default.tint),
-            mix: fields.mix.map_or(default.mix, |With { fields, .. }| {
-                [fields.red, fields.green, fields.blue]
-            }),
+            mix: [
+                fields.mix_red.unwrap_or(UNMIXED[0]),
+                fields.mix_green.unwrap_or(UNMIXED[1]),
+                fields.mix_blue.unwrap_or(UNMIXED[2]),
+            ],
             gain: fields.gain.unwrap_or(default.gain),
             offset: fields.offset.unwrap_or(default.offset),
             brightness: fields.brightness.unwrap_or(default.brightness),
@@ -41,16 +43,14 @@ impl Twin for Adjust {
 
     fn to_stored(&self) -> Self::Stored {
         let default = Self::default();
-        let mix = |[red, green, blue]: [[f64; 3]; 3]| With {
-            fields: stored::Mix { red, green, blue },
-            extra: crate::Extra::new(),
-        };
         With {
             fields: stored::Adjust {
                 space: unless_default(self.space, &AdjustSpace::default()).map(Into::into),
                 temperature_k: unless_default(self.temperature_k, &default.temperature_k),
                 tint: unless_default(self.tint, &default.tint),
-                mix: unless_default(self.mix, &UNMIXED).map(mix),
+                mix_red: unless_default(self.mix[0], &UNMIXED[0]),
+                mix_green: unless_default(self.mix[1], &UNMIXED[1]),
+                mix_blue: unless_default(self.mix[2], &UNMIXED[2]),
                 gain: unless_default(self.gain, &default.gain),
                 offset: unless_default(self.offset, &default.offset),
                 brightness: unless_default(self.brightness, &default.brightness),
