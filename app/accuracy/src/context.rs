@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use relievo_engine::raster::Cancel;
-use relievo_gpu::Gpu;
+use relievo_gpu::{AdapterClass, Gpu};
 
 use crate::SuiteError;
 
@@ -82,6 +82,17 @@ impl<'a> Context<'a> {
     /// One of two values: for a quick run or a full one.
     pub fn pick<T>(&self, quick: T, full: T) -> T {
         if self.quick { quick } else { full }
+    }
+
+    /// Size of pictures: of a quick run, of a full one; half the sides where the device draws and the
+    /// reference is looked at in software, so that a full run ends while somebody waits.
+    pub fn picture_px(&self, quick: [u32; 2], full: [u32; 2]) -> [u32; 2] {
+        let is_software = |gpu: &Gpu| gpu.class == AdapterClass::Software;
+        if self.gpu().is_ok_and(is_software) {
+            self.pick(quick, full.map(|side| side / 2))
+        } else {
+            self.pick(quick, full)
+        }
     }
 
     /// Tells how much is done, `done` of `all` steps, and whether to go on.

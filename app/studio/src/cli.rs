@@ -5,6 +5,7 @@
 
 mod apply;
 mod bake;
+mod balance;
 mod cache;
 mod check;
 mod compare;
@@ -73,6 +74,7 @@ enum Command {
     Apply(apply::Arguments),
     Compare(compare::Arguments),
     Match(matching::Arguments),
+    Balance(balance::Arguments),
     Export(export::Arguments),
     Profile(measure::profile::Arguments),
     Contours(measure::contours::Arguments),
@@ -208,6 +210,7 @@ fn carry_out(
         (None, Some(Command::Apply(a))) => apply::run(&a, context),
         (None, Some(Command::Compare(a))) => compare::run(&a, context),
         (None, Some(Command::Match(a))) => matching::run(&a, context),
+        (None, Some(Command::Balance(a))) => balance::run(&a, context),
         (None, Some(Command::Export(a))) => export::run(&a, context),
         (None, Some(Command::Profile(a))) => measure::profile::run(&a, context),
         (None, Some(Command::Contours(a))) => measure::contours::run(&a, context),

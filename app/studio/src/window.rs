@@ -25,6 +25,7 @@ mod inbox;
 mod inspector;
 mod latest;
 mod layers;
+mod matching;
 mod messages;
 mod navigation;
 mod pace;

@@ -8,10 +8,11 @@ mod lab;
 mod map;
 mod robust;
 
-pub use balance::{Balance, BalanceError, Overlap, balance};
+pub use balance::{Balance, BalanceError, Overlap, balance, balanced_difference};
 pub use ciede2000::ciede2000;
 pub use fit::{
-    ColourFit, Difference, FEWEST_PAIRS, MatchMethod, TooFewPairs, colour_difference, fit,
+    ColourFit, Difference, FEWEST_PAIRS, FIT_BINS, FitHistograms, MatchMethod, TooFewPairs,
+    colour_difference, fit,
 };
 pub use lab::Lab;
 pub use map::ColourMap;

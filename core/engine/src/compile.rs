@@ -8,6 +8,7 @@ mod colours;
 mod difference;
 mod heights;
 mod marks;
+mod mask;
 mod relief;
 
 use std::collections::{BTreeMap, HashMap};
@@ -192,13 +193,17 @@ impl Compiler<'_> {
     }
 
     /// Whether a layer can have any effect; notes why not.
-    fn takes_part(&mut self, layer: &Layer) -> bool {
+    fn takes_part(&mut self, project: &Project, layer: &Layer) -> bool {
         let reason = if !layer.visible {
             "hidden"
+        } else if layer.is_superseded(&project.layers, project.date) {
+            "another date is shown"
         } else if layer.opacity <= 0.0 {
             "opacity 0"
         } else if matches!(layer.kind, LayerKind::Unknown { .. }) {
             "unknown kind"
+        } else if layer.mask.as_ref().is_some_and(mask::hides_all) {
+            "masked everywhere"
         } else if let Some(reason) = without_effect(&layer.kind) {
             reason
         } else {
@@ -310,9 +315,9 @@ impl Compiler<'_> {
         source: &Source,
         base: NodeIndex,
         top: NodeIndex,
-    ) -> Option<(Vec<NodeIndex>, bool)> {
+    ) -> Option<Vec<NodeIndex>> {
         if source.edge_fade_m <= 0.0 {
-            return Some((vec![base, top], false));
+            return Some(vec![base, top]);
         }
         let width_m = source.edge_fade_m;
         let warp = self.warp(layer, file, source)?;
@@ -323,7 +328,7 @@ impl Compiler<'_> {
         let mask = self.add(layer, node, &[]);
         // Places are dear, and no slider changes them.
         self.builder.cut(mask, SampleType::Mask32F);
-        Some((vec![base, top, mask], true))
+        Some(vec![base, top, mask])
     }
 }
 

@@ -90,7 +90,8 @@ impl Engine {
             let Some(style) = &vector.style.label else {
                 continue;
             };
-            if !layer.visible || layer.opacity <= 0.0 {
+            let hidden = !layer.visible || layer.is_superseded(&layers, project.date);
+            if hidden || layer.opacity <= 0.0 {
                 continue;
             }
             let Some(SourceState::Features(open)) =

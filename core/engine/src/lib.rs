@@ -43,7 +43,7 @@ pub use frame::{ClipKind, Frame, LevelView, Sun, Upload};
 pub use labels::PlacedLabel;
 pub use marks::Mark;
 pub use masses::{MassMesh, MassVertex};
-pub use matching::{ColourMatch, MatchTarget};
+pub use matching::{Balanced, ColourBalance, ColourMatch, MatchTarget, OverlapDifference};
 pub use message::{Message, Severity};
 pub use query::{Maker, PlaceAnswer, Questions};
 pub use reference::{Confirmation, Offset, Reference, ReferencePicture, ReferenceSettings};

@@ -1,4 +1,6 @@
-//! A layer's colours matched to what lies below it, or to another layer.
+//! A layer's colours matched to what lies below it, or to another layer; several layers balanced at once.
+
+mod balance;
 
 use std::sync::Arc;
 
@@ -16,12 +18,16 @@ use crate::analysis::{AnalysisError, Task, failed};
 use crate::query::Questions;
 use crate::sampling::Stage;
 
+pub use balance::{Balanced, ColourBalance, OverlapDifference};
+
 /// Columns and rows of the places that are compared.
 const PLACES: I64Vec2 = I64Vec2::new(256, 256);
 /// Rows that are evaluated at once.
 const BAND: i64 = 16;
 /// Cells along a side by which the common area is closed in on.
 const CELLS: i64 = 8;
+/// Most that gains and offsets of a project can be.
+const MOST: f64 = 16.0;
 /// Below this a place is not covered.
 const COVERED: f32 = 0.99;
 
@@ -236,7 +242,6 @@ fn cell(cells: &Grid, at: I64Vec2) -> Grid {
 
 /// A fit as parameters that a user can go on with, within their ranges.
 fn adjust(fit: &ColourFit, method: MatchMethod, strength: f64) -> Adjust {
-    const MOST: f64 = 16.0;
     let rows = fit.map.matrix.transpose().to_cols_array_2d();
     let mut adjust = Adjust {
         offset: fit.map.offset.to_array().map(|v| v.clamp(-MOST, MOST)),

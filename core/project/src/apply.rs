@@ -7,7 +7,9 @@ use core::mem;
 
 use crate::stored::edits;
 use crate::stored::fault::At;
-use crate::{Adjust, Blend, Edit, Fault, Layer, LayerId, LayerKind, Project, Source, VectorLayer};
+use crate::{
+    Adjust, Blend, Edit, Fault, Layer, LayerId, LayerKind, Mask, Project, Source, VectorLayer,
+};
 
 /// Deepest nesting of batches.
 const DEEPEST_BATCH: usize = 8;
@@ -173,6 +175,19 @@ impl Project {
             Edit::SetBlend { id, blend } => {
                 let blend = mem::replace(self.blend_mut(&id)?, blend);
                 Edit::SetBlend { id, blend }
+            }
+            Edit::SetDated { id, dated } => {
+                let dated = mem::replace(&mut self.layer_mut(&id)?.dated, dated);
+                Edit::SetDated { id, dated }
+            }
+            Edit::ShowDate { date } => Edit::ShowDate {
+                date: mem::replace(&mut self.date, date),
+            },
+            Edit::SetMask { id, mask } => {
+                let slot = self.mask_mut(&id)?;
+                let before = mem::replace(slot, mask.map(|mask| *mask));
+                let mask = before.map(Box::new);
+                Edit::SetMask { id, mask }
             }
             Edit::SetAdjust { id, adjust } => {
                 let adjust = mem::replace(self.adjust_mut(&id)?, adjust);
@@ -544,6 +559,20 @@ impl Project {
                 expected: "an imagery, tint, slope or contours layer",
                 kind: kind.name().to_owned(),
             }),
+        }
+    }
+
+    fn mask_mut(&mut self, id: &LayerId) -> Result<&mut Option<Mask>, EditError> {
+        let layer = self.layer_mut(id)?;
+        if layer.kind.may_be_masked() {
+            Ok(&mut layer.mask)
+        } else {
+            Err(EditError::WrongKind {
+                id: id.0.clone(),
+                what: "mask",
+                expected: "an imagery, tint, slope, contours or vector layer",
+                kind: layer.kind.name().to_owned(),
+            })
         }
     }
 

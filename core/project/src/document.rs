@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use relievo_planet::{Camera, Planet};
 
-use crate::{Element, ElementId, Layer, LayerId, Scenario, ScenarioId};
+use crate::{Date, Element, ElementId, Layer, LayerId, Scenario, ScenarioId};
 
 /// Fields of the file that this version does not know, in their order. They are written back as
 /// they came.
@@ -33,6 +33,8 @@ pub struct Project {
     pub scenarios: Vec<Scenario>,
     /// The scenario that is shown. `None`: the base.
     pub scenario: Option<ScenarioId>,
+    /// The day that series of layers are shown at. `None`: the latest of each.
+    pub date: Option<Date>,
     /// Places to go back to.
     pub bookmarks: Vec<Bookmark>,
     /// Unknown fields of the file.
@@ -58,6 +60,7 @@ impl Project {
             || self.layers != saved.layers
             || self.scenarios != saved.scenarios
             || self.scenario != saved.scenario
+            || self.date != saved.date
             || self.bookmarks != saved.bookmarks
             || self.planet != saved.planet
             || self.sun != saved.sun

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use crate::{
-    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Element, ElementId,
-    ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Noise,
-    PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun, TileRows,
-    Tint, VectorStyle,
+    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Date, Dated, Element,
+    ElementId, ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Mask,
+    Noise, PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun,
+    TileRows, Tint, VectorStyle,
 };
 
 /// One change of a project. Values replace the old ones as a whole.
@@ -69,6 +69,25 @@ pub enum Edit {
         id: LayerId,
         /// The mode.
         blend: Blend,
+    },
+    /// Gives a layer its place in a series of pictures of one ground at different times.
+    SetDated {
+        /// Which.
+        id: LayerId,
+        /// `None`: in no series.
+        dated: Option<Dated>,
+    },
+    /// Chooses the day that series of layers are shown at.
+    ShowDate {
+        /// `None`: the latest of each.
+        date: Option<Date>,
+    },
+    /// Changes where an imagery, tint, slope, contours or vector layer shows.
+    SetMask {
+        /// Which.
+        id: LayerId,
+        /// `None`: everywhere.
+        mask: Option<Box<Mask>>,
     },
     /// Changes the colour adjustment of an imagery or tint layer.
     SetAdjust {
@@ -417,7 +436,7 @@ pub enum Affects {
     Base,
     /// A scenario's name: no pixel changes.
     ScenarioName,
-    /// Which scenario is shown.
+    /// Which scenario is shown, or what day.
     Shown,
     /// The bookmarks: no pixel changes.
     Bookmarks,
@@ -450,6 +469,8 @@ pub enum Aspect {
     Lock,
     /// Its blend mode.
     Blend,
+    /// Where it shows.
+    Mask,
     /// Its colour adjustment.
     Adjust,
     /// Its file or how the file is read: path, place, nodata, bands, encoding of tiles.

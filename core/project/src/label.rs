@@ -17,6 +17,8 @@ impl Edit {
             | Self::SetOpacity { id, .. }
             | Self::SetLocked { id, .. }
             | Self::SetBlend { id, .. }
+            | Self::SetMask { id, .. }
+            | Self::SetDated { id, .. }
             | Self::SetAdjust { id, .. }
             | Self::SetResampling { id, .. }
             | Self::SetEdgeFade { id, .. }
@@ -52,10 +54,11 @@ impl Edit {
             Self::AddLayer { .. } | Self::RemoveLayer { .. } => Aspect::Presence,
             Self::MoveLayer { .. } => Aspect::Order,
             Self::SetName { .. } => Aspect::Name,
-            Self::SetVisible { .. } => Aspect::Visibility,
+            Self::SetVisible { .. } | Self::SetDated { .. } => Aspect::Visibility,
             Self::SetOpacity { .. } => Aspect::Opacity,
             Self::SetLocked { .. } => Aspect::Lock,
             Self::SetBlend { .. } => Aspect::Blend,
+            Self::SetMask { .. } => Aspect::Mask,
             Self::SetAdjust { .. } => Aspect::Adjust,
             Self::SetResampling { .. } => Aspect::Resampling,
             Self::SetEdgeFade { .. } => Aspect::EdgeFade,
@@ -97,7 +100,7 @@ impl Edit {
             Self::MergeScenario { id } => {
                 return all.extend([Affects::Scenario { id: id.clone() }, Affects::Base]);
             }
-            Self::ShowScenario { .. } => return all.push(Affects::Shown),
+            Self::ShowScenario { .. } | Self::ShowDate { .. } => return all.push(Affects::Shown),
             Self::AddBookmark { .. }
             | Self::RemoveBookmark { .. }
             | Self::ReplaceBookmark { .. } => return all.push(Affects::Bookmarks),
@@ -134,6 +137,9 @@ impl Edit {
             Self::SetLocked { locked: false, .. } => "Unlock",
             Self::SetOpacity { .. } => "Opacity of",
             Self::SetBlend { .. } => "Blend mode of",
+            Self::SetMask { .. } => "Mask of",
+            Self::SetDated { .. } => "Date of",
+            Self::ShowDate { .. } => return "Shown date".to_owned(),
             Self::SetAdjust { id, adjust } => adjusted(project, id, adjust),
             Self::SetResampling { .. } => "Resampling of",
             Self::SetEdgeFade { .. } => "Edge fade of",

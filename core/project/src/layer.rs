@@ -1,6 +1,8 @@
 //! Layers of the runtime document.
 
-use crate::{Adjust, ContoursLayer, Extra, LayerId, SlopeLayer, TintLayer, VectorLayer};
+use crate::{
+    Adjust, ContoursLayer, Dated, Extra, LayerId, Mask, SlopeLayer, TintLayer, VectorLayer,
+};
 
 /// One layer of the stack.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +17,10 @@ pub struct Layer {
     pub opacity: f64,
     /// Whether edits in the window are refused. Default false.
     pub locked: bool,
+    /// Where it shows; of layers with colours only. Default everywhere.
+    pub mask: Option<Mask>,
+    /// Its place in a series of pictures of one ground at different times. Default none.
+    pub dated: Option<Dated>,
     /// What it is.
     pub kind: LayerKind,
     /// Unknown fields of the file; for [`LayerKind::Unknown`] all of the layer's own fields.
@@ -30,6 +36,8 @@ impl Layer {
             visible: true,
             opacity: 1.0,
             locked: false,
+            mask: None,
+            dated: None,
             kind,
             extra: Extra::new(),
         }
@@ -93,6 +101,12 @@ pub enum LayerKind {
 }
 
 impl LayerKind {
+    /// Whether a layer of this kind can show in a part of the map only: whether it has colours. Kinds
+    /// that are not known may.
+    pub fn may_be_masked(&self) -> bool {
+        !matches!(self, Self::Height(_) | Self::Noise(_))
+    }
+
     /// The kind's name in the file: `imagery`, `height`, `noise`, `tint`, `slope`, `contours`,
     /// `vector` or the unknown name.
     pub fn name(&self) -> &str {
@@ -216,6 +230,32 @@ pub enum Blend {
     Screen,
     /// Multiply in shadows, screen in lights.
     Overlay,
+    /// Less the layer: darkens.
+    Subtract,
+    /// How far the two are apart.
+    Difference,
+    /// Like the difference, with less contrast.
+    Exclusion,
+    /// The darker of each channel.
+    Darken,
+    /// The lighter of each channel.
+    Lighten,
+    /// What lies below is lightened to reflect the layer.
+    ColourDodge,
+    /// What lies below is darkened to reflect the layer.
+    ColourBurn,
+    /// Multiply where the layer is dark, screen where it is light.
+    HardLight,
+    /// Darkens or lightens gently, as the layer says.
+    SoftLight,
+    /// The layer's hue alone.
+    Hue,
+    /// The layer's saturation alone.
+    Saturation,
+    /// The layer's hue and saturation.
+    Colour,
+    /// The layer's luminosity alone.
+    Luminosity,
 }
 
 /// How stored numbers of an image become colours.

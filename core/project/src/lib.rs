@@ -23,9 +23,11 @@ mod json;
 mod label;
 mod layer;
 mod lock;
+mod mask;
 mod paths;
 mod relief;
 mod scenario;
+mod series;
 mod side;
 mod stored;
 mod vector_layer;
@@ -59,11 +61,13 @@ pub use layer::{
     Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows,
 };
 pub use lock::{Holder, LockError, ProjectLock};
+pub use mask::{Mask, MaskCircle, MaskRange};
 pub use paths::{resolve_path, store_path};
 pub use relief::{
     ContoursLayer, SlopeLayer, SlopeStop, SlopeUnit, Tint, TintInterpolation, TintLayer, TintStop,
 };
 pub use scenario::{Change, ChangeKind, LayerOverride, Scenario};
+pub use series::{Date, Dated, parse_date};
 pub use side::{MissingGeometry, side_folder};
 pub use stored::fault::{Fault, quote};
 pub use vector_layer::{

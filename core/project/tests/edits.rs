@@ -7,9 +7,10 @@ use std::path::Path;
 use proptest::prelude::*;
 use relievo_project::{
     Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ClearColour, ContoursLayer, CurvePoint,
-    Edit, Extra, Georeference, HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId,
-    LayerKind, Noise, NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer,
-    SlopeStop, Source, Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop, ToneCurves,
+    Dated, Edit, Extra, Georeference, HeightEncoding, HeightLayer, History, ImageryLayer, Layer,
+    LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer, PlanetSettings, Project, Quality,
+    Resampling, SlopeLayer, SlopeStop, Source, Stretch, Sun, TileRows, Tint, TintInterpolation,
+    TintStop, ToneCurves, parse_date,
 };
 
 const EVERYTHING: &str = include_str!("data/everything.relievo");
@@ -74,6 +75,30 @@ fn edit() -> impl Strategy<Value = Edit> {
         id().prop_map(|id| Edit::SetBlend {
             id,
             blend: Blend::Screen
+        }),
+        (id(), prop::option::of(0..3_usize)).prop_map(|(id, day)| Edit::SetDated {
+            id,
+            dated: day.map(|day| Dated {
+                series: ["a", "b", ""][day].to_owned(),
+                date: parse_date(["2010-06-29", "2015-09-26", "2012-02-29"][day]).unwrap(),
+                extra: Extra::new(),
+            }),
+        }),
+        prop::option::of(Just("2012-01-01")).prop_map(|day| Edit::ShowDate {
+            date: day.and_then(parse_date),
+        }),
+        (id(), prop::option::of(value.clone())).prop_map(|(id, from)| Edit::SetMask {
+            id,
+            mask: from.map(|from| Box::new(Mask {
+                heights: Some(MaskRange {
+                    from,
+                    to: 0.5,
+                    fade: 0.1,
+                    extra: Extra::new()
+                }),
+                invert: from > 0.3,
+                ..Mask::default()
+            })),
         }),
         (id(), value.clone()).prop_map(|(id, gamma)| Edit::SetAdjust {
             id,
@@ -562,5 +587,37 @@ fn a_slip_of_the_pen_in_a_script_is_named() {
     assert_eq!(
         message,
         "line 2, at /0/opcity: expected no such member in set_visible, found 1: \"e.json\""
+    );
+}
+
+#[test]
+fn masks_beyond_their_ranges_and_of_layers_without_colours_are_refused() {
+    let refused = |kind: &str, mask: &str| {
+        let edits = format!(
+            r#"[{{"edit": "add_layer", "layer": {{"id": "a", "kind": {kind}, "mask": {mask}}}}}]"#
+        );
+        Edit::list_from_json(&edits, Path::new("edits.json"))
+            .unwrap_err()
+            .to_string()
+    };
+    let slope = r##""slope", "stops": [{"slope_deg": 0.0, "colour": "#000000"}]"##;
+    let line = refused(slope, r#"{"heights": {"from_m": 10.0, "to_m": 5.0}}"#);
+    assert!(
+        line.contains("to_m") && line.contains("no less than from_m"),
+        "{line}"
+    );
+    let line = refused(slope, r#"{"slopes": {"from_deg": -1.0, "to_deg": 5.0}}"#);
+    assert!(line.contains("from_deg"), "{line}");
+    let line = refused(
+        slope,
+        r#"{"circle": {"lon_deg": 0.0, "lat_deg": 91.0, "radius_m": 1.0}}"#,
+    );
+    assert!(line.contains("lat_deg"), "{line}");
+    let line = refused(slope, r#"{"vector": "no layer's id"}"#);
+    assert!(line.contains("vector"), "{line}");
+    let line = refused(r#""noise", "amplitude_m": 1.0, "wavelength_m": 5.0"#, "{}");
+    assert!(
+        line.contains("layer with colours") && line.contains("noise"),
+        "{line}"
     );
 }

@@ -295,3 +295,20 @@ fn a_rotated_matrix_is_taken_as_it_stands() {
         [440_000.0, 26.0, 15.0, 4_485_000.0, 15.0, -26.0]
     );
 }
+
+#[test]
+fn three_chosen_bands_are_colours_and_what_the_file_calls_alpha_is_not_theirs() {
+    let opened = |select: Option<Vec<u16>>| {
+        let chosen = OpenOptions {
+            select,
+            ..options(Bands::Colour)
+        };
+        level(&*open(&fixture("alpha.tif"), &chosen).unwrap(), 0)
+    };
+    let of_file = opened(None);
+    assert!(of_file.plane(3).contains(&0.0), "a file with holes");
+    let chosen = opened(Some(vec![0, 1, 2]));
+    assert!(chosen.plane(3).iter().all(|alpha| *alpha == 1.0));
+    // The fourth that is asked for is alpha, as the file says it, too.
+    assert_eq!(opened(Some(vec![0, 1, 2, 3])), of_file);
+}

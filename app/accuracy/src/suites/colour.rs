@@ -66,7 +66,7 @@ struct Measured {
 fn settings(context: &Context, gpu: &Gpu) -> Vec<Setting> {
     let windows: &[u32] = match (context.quick, gpu.class) {
         (true, _) => &[256, 1024],
-        (false, AdapterClass::Software) => &[256, 512, 1024, 2048],
+        (false, AdapterClass::Software) => &[256, 512, 1024],
         (false, AdapterClass::Integrated | AdapterClass::Discrete) => &[256, 512, 1024, 2048, 4096],
     };
     let taps: &[u32] = if context.quick {
@@ -117,7 +117,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
     let mut engine = open(context)?;
     let shots = shots(&engine, context)?;
     let settings = settings(context, gpu);
-    let size_px = context.pick([96, 72], [480, 320]);
+    let size_px = context.picture_px([96, 72], [480, 320]);
     let mut report = Report::default();
     let (mut rows, mut foci) = (Vec::new(), Vec::new());
     let (each, steps) = (settings.len() + 1, shots.len() * (settings.len() + 1));

@@ -169,7 +169,7 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
     let bench = Bench {
         context,
         gpu,
-        size_px: context.pick([64, 48], [640, 480]),
+        size_px: context.picture_px([64, 48], [640, 480]),
         truth: OnceCell::new(),
     };
     let mut engine = open(context)?;

@@ -126,7 +126,7 @@ pub(super) fn compare_layers(
     Ok(())
 }
 
-fn difference_json(difference: &Difference) -> serde_json::Value {
+pub(super) fn difference_json(difference: &Difference) -> serde_json::Value {
     serde_json::json!({
         "mean": difference.mean,
         "p95": difference.p95,
@@ -135,7 +135,7 @@ fn difference_json(difference: &Difference) -> serde_json::Value {
 }
 
 /// The layer of that id, or else the only one of that name.
-fn layer_called(project: &Project, name: &str) -> Result<LayerId, Failure> {
+pub(super) fn layer_called(project: &Project, name: &str) -> Result<LayerId, Failure> {
     if let Some(layer) = project.layers.iter().find(|l| l.id.0.as_str() == name) {
         return Ok(layer.id.clone());
     }

@@ -236,6 +236,12 @@ pub const TABLE: &[Entry] = &[
         "Raise, lower, smooth or flatten the ground by hand",
         &[keys(PLAIN, Key::B)],
     ),
+    tool(
+        Tool::Lens,
+        "Lens",
+        "Show the selected layer only in a circle that is dragged over the terrain",
+        &[keys(PLAIN, Key::X)],
+    ),
     analyse(
         Command::Use(Tool::Measure),
         "Measure",
@@ -443,6 +449,12 @@ pub const TABLE: &[Entry] = &[
         "Histogram",
         "Show or hide how often each value is seen in the selected layer",
         &[keys(CTRL_SHIFT, Key::G)],
+    ),
+    pane(
+        Pane::Match,
+        "Match",
+        "Show or hide what makes layers look like each other",
+        &[keys(CTRL_SHIFT, Key::X)],
     ),
     pane(
         Pane::Profile,

@@ -29,6 +29,8 @@ pub(crate) enum Action {
     Select(Option<LayerId>),
     /// Hides a pane.
     Hide(Pane),
+    /// Shows a pane and brings it to the front.
+    Show(Pane),
     /// Carries out a command.
     Run(Command),
     /// Takes so many steps of the history back (negative) or makes them again.

@@ -1,12 +1,15 @@
-//! How often each value of the selected layer is seen, before and after its adjustment.
+//! How often each value of the selected layer is seen, before and after its adjustment, and its levels.
+
+mod levels;
 
 use eframe::egui::{self, Color32, Role, Ui, WidgetInfo};
 use egui_plot::{Bar, BarChart, Corner, Legend, Line, Plot, PlotPoints};
 use relievo_engine::analysis::Task;
 use relievo_engine::histogram::{BINS, Counts, Histogram};
 use relievo_engine::planet::Camera;
-use relievo_engine::project::LayerId;
+use relievo_engine::project::{Adjust, LayerId, LayerKind};
 
+use super::action::Action;
 use super::latest::Latest;
 use super::studio::Studio;
 use super::waiting;
@@ -26,7 +29,7 @@ pub(crate) type Histograms = Latest<Wanted, Result<Option<Histogram>, String>>;
 impl Studio {
     /// Draws the histogram of the selected layer; one for the view as it is now is counted on another
     /// thread once the view rests.
-    pub(super) fn histogram_pane(&mut self, ui: &mut Ui) {
+    pub(super) fn histogram_pane(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let Some(layer) = self.selected.clone() else {
             ui.weak("Select a layer to see its values.");
             return;
@@ -55,7 +58,15 @@ impl Studio {
         let last = self.histograms.last();
         let last = last.filter(|last| last.key.layer == layer);
         let stale = last.as_ref().is_some_and(|last| last.key != wanted);
-        match last.map(|last| last.answer) {
+        let answer = last.map(|last| last.answer);
+        let project = self.document.project();
+        if let Some(shown) = project.layer(&layer).filter(|l| !l.locked)
+            && let Some(adjust) = adjust_of(&shown.kind)
+        {
+            let seen = answer.as_ref().and_then(|a| a.as_ref().ok()?.as_ref());
+            levels::show(ui, &layer, adjust, seen, actions);
+        }
+        match answer {
             Some(Ok(Some(histogram))) => plot(ui, &histogram, stale),
             Some(Ok(None)) => {
                 ui.weak("Nothing of this layer is seen.");
@@ -65,6 +76,20 @@ impl Studio {
             }
             None => {}
         }
+    }
+}
+
+/// The adjustment of a layer, if it has one.
+pub(super) fn adjust_of(kind: &LayerKind) -> Option<&Adjust> {
+    match kind {
+        LayerKind::Imagery(imagery) => Some(&imagery.adjust),
+        LayerKind::Tint(tint) => Some(&tint.adjust),
+        LayerKind::Height(_)
+        | LayerKind::Noise(_)
+        | LayerKind::Slope(_)
+        | LayerKind::Contours(_)
+        | LayerKind::Vector(_)
+        | LayerKind::Unknown { .. } => None,
     }
 }
 

@@ -1,16 +1,18 @@
 //! The settings of the selected layer.
 
 mod adjust;
+mod dated;
 pub(crate) mod element;
 mod heights;
+mod mask;
 mod relief;
 mod tint;
 mod vector;
 
 use eframe::egui::{self, CollapsingHeader, RichText, ScrollArea, TextEdit, Ui};
 use relievo_engine::project::{
-    Blend, Edit, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Resampling, Source,
-    TintLayer,
+    Blend, Edit, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, MaskCircle, Resampling,
+    Source, TintLayer,
 };
 use relievo_engine::{Engine, SourceState};
 
@@ -34,12 +36,25 @@ const EDGE_FADE: Number = Number::new(
 .unit(" m", 0)
 .logarithmic();
 
-const BLENDS: [(Blend, &str); 5] = [
+const BLENDS: [(Blend, &str); 18] = [
     (Blend::Normal, "Normal"),
     (Blend::Multiply, "Multiply"),
     (Blend::Add, "Add"),
     (Blend::Screen, "Screen"),
     (Blend::Overlay, "Overlay"),
+    (Blend::Subtract, "Subtract"),
+    (Blend::Difference, "Difference"),
+    (Blend::Exclusion, "Exclusion"),
+    (Blend::Darken, "Darken"),
+    (Blend::Lighten, "Lighten"),
+    (Blend::ColourDodge, "Colour dodge"),
+    (Blend::ColourBurn, "Colour burn"),
+    (Blend::HardLight, "Hard light"),
+    (Blend::SoftLight, "Soft light"),
+    (Blend::Hue, "Hue"),
+    (Blend::Saturation, "Saturation"),
+    (Blend::Colour, "Colour"),
+    (Blend::Luminosity, "Luminosity"),
 ];
 
 const RESAMPLINGS: [(Resampling, &str); 3] = [
@@ -53,6 +68,8 @@ const RESAMPLINGS: [(Resampling, &str); 3] = [
 pub(crate) struct Inspector {
     /// The name that is being typed.
     name: Option<(LayerId, String)>,
+    /// The place in a series that is being typed.
+    dated: dated::Typed,
 }
 
 impl Inspector {
@@ -62,13 +79,14 @@ impl Inspector {
         ui: &mut Ui,
         engine: &Engine,
         selected: Option<&LayerId>,
+        lens: &MaskCircle,
         actions: &mut Vec<Action>,
     ) {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 if let Some(layer) = selected.and_then(|id| engine.project().layer(id)) {
-                    self.layer(ui, engine, layer, actions);
+                    self.layer(ui, engine, layer, lens, actions);
                 } else {
                     ui.add_space(8.0);
                     ui.weak("Select a layer to see its settings.");
@@ -77,7 +95,14 @@ impl Inspector {
             });
     }
 
-    fn layer(&mut self, ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Action>) {
+    fn layer(
+        &mut self,
+        ui: &mut Ui,
+        engine: &Engine,
+        layer: &Layer,
+        lens: &MaskCircle,
+        actions: &mut Vec<Action>,
+    ) {
         let id = &layer.id;
         ui.push_id(&id.0, |ui| {
             ui.add_enabled_ui(!layer.locked, |ui| {
@@ -117,6 +142,13 @@ impl Inspector {
                             "A layer of kind {kind}, made by a newer Relievo. It is kept as it is."
                         ));
                     }
+                }
+                let is_known = !matches!(layer.kind, LayerKind::Unknown { .. });
+                if is_known && layer.kind.may_be_masked() {
+                    mask::show(ui, engine.project(), layer, lens, actions);
+                }
+                if is_known {
+                    dated::show(ui, &mut self.dated, engine.project(), layer, actions);
                 }
             });
             ui.add_space(6.0);

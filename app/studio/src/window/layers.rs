@@ -1,5 +1,6 @@
 //! The list of layers: the top row is drawn last. Rows are selected by a click, moved by a drag.
 
+mod dates;
 mod row;
 
 pub(crate) use row::eye;
@@ -45,6 +46,7 @@ pub(crate) fn show(
             .on_hover_text("Add a layer on top of the list");
         });
     });
+    dates::show(ui, engine.project(), actions);
     ui.add_space(2.0);
     let layers = &engine.project().layers;
     if layers.is_empty() {

@@ -35,6 +35,7 @@ use super::graph::GraphView;
 use super::histogram::Histograms;
 use super::inbox::{Inbox, Waker};
 use super::inspector::{ElementForm, Inspector};
+use super::matching::Matching;
 use super::messages::Log;
 use super::navigation::Navigation;
 use super::pace::Pace;
@@ -114,6 +115,7 @@ pub struct Studio {
     settings: Settings,
     palette: Option<Palette>,
     pub(super) histograms: Histograms,
+    pub(super) matching: Matching,
     graph: GraphView,
     pub(super) profiles: Profiles,
     pub(super) analyses: Analyses,
@@ -185,6 +187,7 @@ impl Studio {
             settings,
             palette: None,
             histograms: Histograms::new("relievo-histogram", waker.clone())?,
+            matching: Matching::new(waker.clone())?,
             graph: GraphView::default(),
             profiles: Profiles::new("relievo-profile", waker.clone())?,
             analyses: Analyses::new(&waker)?,

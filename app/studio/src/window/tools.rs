@@ -14,6 +14,7 @@ mod brush;
 mod draft;
 mod handles;
 mod labels;
+pub(in crate::window) mod lens;
 mod measure;
 mod paint;
 mod pick;
@@ -49,6 +50,8 @@ pub enum Tool {
     Observer,
     /// Chooses where still water stands.
     Water,
+    /// Moves the circle in which the selected layer shows.
+    Lens,
 }
 
 impl Tool {
@@ -73,6 +76,7 @@ impl Tool {
             Self::Measure => "Measure",
             Self::Observer => "Observer",
             Self::Water => "Flood",
+            Self::Lens => "Lens",
         }
     }
 
@@ -105,6 +109,9 @@ impl Tool {
             }
             Self::Observer => "Click where somebody stands to see what is in sight. Esc ends",
             Self::Water => "Click where still water shall stand. Esc ends",
+            Self::Lens => {
+                "Drag the circle in which the selected layer shows; Ctrl moves the ground. Its size is in the inspector. Esc ends"
+            }
         }
     }
 }
@@ -124,6 +131,8 @@ pub(crate) struct Tools {
     pub(crate) brush: BrushSettings,
     /// The brush is down on this element.
     pub(crate) stroke: Option<ElementId>,
+    /// The lens is being dragged.
+    pub(crate) moves_lens: bool,
     /// Where the pointer is on the screen.
     pointer: Option<Pos2>,
 }
@@ -139,6 +148,7 @@ impl Tools {
     pub(crate) fn forget(&mut self) {
         self.draft.clear();
         (self.next, self.held, self.vertex, self.stroke) = (None, None, None, None);
+        self.moves_lens = false;
     }
 }
 

@@ -105,6 +105,7 @@ impl Studio {
                 false
             }
             Tool::Brush => self.paint_stroke(ui, rect, response, actions),
+            Tool::Lens => self.drag_lens(ui, rect, response, actions),
         }
     }
 

@@ -583,3 +583,44 @@ fn a_layer_matched_to_another_looks_like_it_and_stays_editable() {
         "{elsewhere}"
     );
 }
+
+#[test]
+fn several_layers_balanced_at_once_look_like_the_one_that_is_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let aerial = sample_file("data/provo-aerial.tif");
+    // Three copies of one picture, told apart by what is added to them: what a balance of own colours has
+    // nothing to do for, and of a held layer as it is shown all the more.
+    let layer = |id: &str, adjust: &str| {
+        format!(
+            r#"{{"id": "{id}", "name": "{id}", "kind": "imagery", "path": "{aerial}", "adjust": {adjust}}}"#
+        )
+    };
+    let hazy = r#"{"gain": [0.7, 0.8, 0.6], "offset": [0.1, 0.12, 0.2]}"#;
+    let layers = [layer("held", hazy), layer("a", "{}"), layer("b", "{}")];
+    let text = format!(r#"{{"version": 1, "layers": [{}]}}"#, layers.join(", "));
+    let project = text_file(folder.path(), "three.relievo", &text);
+    let edits = in_folder(folder.path(), "edits.json");
+    let told = good(&[
+        "balance", &project, "--layers", "held,a,b", "--hold", "held", "-o", &edits,
+    ])
+    .json();
+    let overlaps = told["overlaps"].as_array().unwrap();
+    assert_eq!(overlaps.len(), 3, "{told}");
+    let mean = |overlap: &serde_json::Value, when: &str| overlap[when]["mean"].as_f64().unwrap();
+    assert!(mean(&overlaps[0], "ciede2000_before") > 5.0, "{told}");
+    let balanced = in_folder(folder.path(), "balanced.relievo");
+    good(&["apply", &project, &edits, "-o", &balanced]);
+    for id in ["a", "b"] {
+        let shown = good(&["compare", &balanced, "--layers", &format!("{id},held")]).json();
+        let mean = shown["ciede2000"]["mean"].as_f64().unwrap();
+        assert!(mean < 0.2, "{id}: {mean}");
+    }
+    let held = std::fs::read_to_string(&edits).unwrap();
+    assert!(!held.contains("held"), "{held}");
+    let one = refused(&["balance", &project, "--layers", "a"]);
+    assert!(one.contains("at least two layers"), "{one}");
+    let twice = refused(&["balance", &project, "--layers", "a,a"]);
+    assert!(twice.contains("each layer once"), "{twice}");
+    let other = refused(&["balance", &project, "--layers", "a,b", "--hold", "held"]);
+    assert!(other.contains("one of the layers"), "{other}");
+}

@@ -4,6 +4,7 @@
 
 mod analysis;
 mod basics;
+mod colours;
 mod drawing;
 mod keeping;
 mod panes;

@@ -1,5 +1,9 @@
 //! Several overlapping pictures brought to one look at once.
 
+use super::ColourPair;
+use super::fit::{Difference, TooFewPairs, colour_difference, finite};
+use super::robust::agreed;
+
 /// What two pictures show of the same ground, a channel at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
@@ -19,6 +23,43 @@ pub struct Overlap {
     pub weight: f64,
 }
 
+impl Overlap {
+    /// What pairs (`from` of the first picture, `to` of the second) say, without those that do not show the
+    /// same ground.
+    ///
+    /// # Errors
+    /// [`TooFewPairs`] as for [`fit`](super::fit()).
+    pub fn of(first: usize, second: usize, pairs: &[ColourPair]) -> Result<Self, TooFewPairs> {
+        let pairs = finite(pairs)?;
+        let (_, weights) = agreed(&pairs);
+        let weight: f64 = weights.iter().sum();
+        let moments = |of: &dyn Fn(&ColourPair) -> [f32; 3], channel: usize| {
+            let sum = |f: &dyn Fn(f64) -> f64| {
+                let each = pairs.iter().zip(&weights);
+                each.map(|(pair, w)| w * f(f64::from(of(pair)[channel])))
+                    .sum::<f64>()
+                    / weight
+            };
+            let mean = sum(&|v| v);
+            let variance = sum(&|v| (v - mean) * (v - mean));
+            (mean, libm::sqrt(variance))
+        };
+        let [own, other] = [
+            core::array::from_fn::<_, 3, _>(|c| moments(&|pair| pair.from, c)),
+            core::array::from_fn::<_, 3, _>(|c| moments(&|pair| pair.to, c)),
+        ];
+        Ok(Self {
+            first,
+            second,
+            first_mean: own.map(|m| m.0),
+            first_deviation: own.map(|m| m.1),
+            second_mean: other.map(|m| m.0),
+            second_deviation: other.map(|m| m.1),
+            weight,
+        })
+    }
+}
+
 /// A picture's part: display values times `gain` plus `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
@@ -26,6 +67,41 @@ pub struct Balance {
     pub gain: [f64; 3],
     /// Added to red, green and blue.
     pub offset: [f64; 3],
+}
+
+impl Balance {
+    /// Nothing is changed.
+    pub const NONE: Self = Self {
+        gain: [1.0; 3],
+        offset: [0.0; 3],
+    };
+
+    /// What it makes of a colour, 0 to 1.
+    pub fn apply(&self, rgb: [f32; 3]) -> [f32; 3] {
+        core::array::from_fn(|c| {
+            let shown = f64::from(rgb[c]) * self.gain[c] + self.offset[c];
+            shown.clamp(0.0, 1.0) as f32
+        })
+    }
+}
+
+/// How far two balanced pictures are apart where they overlap.
+///
+/// # Errors
+/// [`TooFewPairs`] as for [`fit`](super::fit()).
+pub fn balanced_difference(
+    pairs: &[ColourPair],
+    first: &Balance,
+    second: &Balance,
+) -> Result<Difference, TooFewPairs> {
+    let shown: Vec<ColourPair> = pairs
+        .iter()
+        .map(|pair| ColourPair {
+            from: first.apply(pair.from),
+            to: second.apply(pair.to),
+        })
+        .collect();
+    colour_difference(&shown)
 }
 
 /// Why nothing is balanced.
@@ -100,13 +176,7 @@ pub fn balance(
             found: format!("{wrong:?}"),
         });
     }
-    let mut balances = vec![
-        Balance {
-            gain: [1.0; 3],
-            offset: [0.0; 3],
-        };
-        pictures
-    ];
+    let mut balances = vec![Balance::NONE; pictures];
     for channel in 0..3 {
         let solved = channel_balance(pictures, overlaps, held, channel);
         for (balance, [gain, offset]) in balances.iter_mut().zip(solved) {
@@ -274,6 +344,39 @@ mod tests {
             assert!((alone.gain[0] - 1.0).abs() < 1e-9 && alone.offset[0].abs() < 1e-9);
         }
         assert_eq!(balance(0, &[], None), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn pictures_with_clouds_come_to_agree_on_the_ground_that_they_share() {
+        let ground: Vec<[f32; 3]> = (0..900)
+            .map(|i| {
+                let (x, y) = ((i % 30) as f32 / 30.0, (i / 30) as f32 / 30.0);
+                [0.2 + 0.4 * x, 0.3 + 0.3 * y, 0.25 + 0.2 * x * y]
+            })
+            .collect();
+        let second = |i: usize, rgb: [f32; 3]| {
+            if i.is_multiple_of(5) {
+                [0.95; 3]
+            } else {
+                [rgb[0] * 0.8 + 0.1, rgb[1] * 0.9, rgb[2] * 1.1 + 0.02]
+            }
+        };
+        let pairs: Vec<ColourPair> = ground
+            .iter()
+            .enumerate()
+            .map(|(i, rgb)| ColourPair {
+                from: *rgb,
+                to: second(i, *rgb),
+            })
+            .collect();
+        let overlap = Overlap::of(0, 1, &pairs).unwrap();
+        assert!((overlap.weight - 720.0).abs() < 10.0, "{}", overlap.weight);
+        let found = balance(2, &[overlap], Some(0)).unwrap();
+        let before = balanced_difference(&pairs, &Balance::NONE, &Balance::NONE).unwrap();
+        let after = balanced_difference(&pairs, &found[0], &found[1]).unwrap();
+        assert!(before.mean_of_same > 5.0, "{before:?}");
+        assert!(after.mean_of_same < 0.5, "{after:?}");
+        assert!(Overlap::of(0, 1, &pairs[..20]).is_err());
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! What makes the colours of one picture look like those of another.
 
+mod histograms;
+
 use glam::DVec3;
 
 use super::map::{ColourMap, vector};
 use super::robust::agreed;
 use super::{ColourPair, Lab, ciede2000};
+pub use histograms::{FIT_BINS, FitHistograms};
 
 /// Fewest pairs that a match is made from.
 pub const FEWEST_PAIRS: usize = 50;
@@ -55,6 +58,8 @@ pub struct ColourFit {
     pub before: Difference,
     /// Difference after.
     pub after: Difference,
+    /// How often each value is seen where both show the same ground.
+    pub histograms: FitHistograms,
 }
 
 /// Fits. Pairs that do not show the same ground (clouds, shadows, what was built since) are found by a
@@ -84,6 +89,7 @@ pub fn fit(pairs: &[ColourPair], method: MatchMethod) -> Result<ColourFit, TooFe
         same: weights.iter().filter(|w| **w > 0.0).count(),
         before: difference(&pairs, &weights, |pair| pair.from),
         after: difference(&pairs, &weights, shown),
+        histograms: FitHistograms::of(&pairs, &weights, shown),
         map,
         curves,
     })
@@ -99,7 +105,7 @@ pub fn colour_difference(pairs: &[ColourPair]) -> Result<Difference, TooFewPairs
     Ok(difference(&pairs, &weights, |pair| pair.from))
 }
 
-fn finite(pairs: &[ColourPair]) -> Result<Vec<ColourPair>, TooFewPairs> {
+pub(super) fn finite(pairs: &[ColourPair]) -> Result<Vec<ColourPair>, TooFewPairs> {
     let finite = |pair: &&ColourPair| pair.from.iter().chain(&pair.to).all(|v| v.is_finite());
     let pairs: Vec<ColourPair> = pairs.iter().filter(finite).copied().collect();
     if pairs.len() < FEWEST_PAIRS {

@@ -11,6 +11,7 @@ use relievo_raster::SampleType;
 use relievo_vector::Drawing;
 
 use super::adjust::adjustment;
+use super::mask::Shows;
 use super::{Compiler, Ground, level_of_step, relief};
 use crate::message::{Message, Severity};
 use crate::scene::Detail;
@@ -34,7 +35,7 @@ impl Compiler<'_> {
                     | LayerKind::Contours(_)
                     | LayerKind::Vector(_)
             );
-            if !is_colour || !self.takes_part(layer) {
+            if !is_colour || !self.takes_part(project, layer) {
                 continue;
             }
             if let (true, Some(below)) = (pinned == Some(&layer.id), below) {
@@ -43,7 +44,7 @@ impl Compiler<'_> {
                 self.pin(below);
             }
             let base = self.or_clear(below);
-            if let Some(over) = self.colour_layer(layer, base, ground) {
+            if let Some(over) = self.colour_layer(layer, project, base, ground) {
                 below = Some(over);
             }
         }
@@ -107,9 +108,36 @@ impl Compiler<'_> {
     fn colour_layer(
         &mut self,
         layer: &Layer,
+        project: &Project,
         base: NodeIndex,
         ground: Ground,
     ) -> Option<NodeIndex> {
+        let (top, blend) = self.top(layer, ground)?;
+        let shows = self.shows(layer, project, ground);
+        if let Shows::Nowhere(reason) = shows {
+            self.left_out.push((layer.id.clone(), reason));
+            return None;
+        }
+        let inputs = match &layer.kind {
+            LayerKind::Imagery(imagery) => {
+                let file = self.open(layer)?;
+                self.with_fade(layer, &file, &imagery.source, base, top)?
+            }
+            LayerKind::Tint(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Unknown { .. } => vec![base, top],
+        };
+        let (inputs, masked) = self.also_masked(layer, inputs, &shows);
+        let overlay = Overlay::new(blend_mode(blend), layer.opacity as f32, masked);
+        Some(self.add(layer, Arc::new(overlay), &inputs))
+    }
+
+    /// A layer's own colours, adjusted, and how they meet what lies below.
+    fn top(&mut self, layer: &Layer, ground: Ground) -> Option<(NodeIndex, Blend)> {
         match &layer.kind {
             LayerKind::Imagery(imagery) => {
                 let file = self.open(layer)?;
@@ -127,23 +155,20 @@ impl Compiler<'_> {
                 );
                 self.details.push(Detail::everywhere(top, finest));
                 let adjusted = self.adjusted(layer, &imagery.adjust, top);
-                let (inputs, masked) =
-                    self.with_fade(layer, &file, &imagery.source, base, adjusted)?;
-                let overlay = Overlay::new(blend_mode(imagery.blend), layer.opacity as f32, masked);
-                Some(self.add(layer, Arc::new(overlay), &inputs))
+                Some((adjusted, imagery.blend))
             }
             LayerKind::Tint(tint) => {
                 let node = self.keep(layer, relief::tint(&tint.tint))?;
                 let top = self.add(layer, node, &[ground.height]);
                 let adjusted = self.adjusted(layer, &tint.adjust, top);
-                Some(self.over(layer, base, adjusted, tint.blend))
+                Some((adjusted, tint.blend))
             }
             LayerKind::Slope(slope) => {
                 let normal = self.normal_of(layer, ground)?;
                 let node = self.keep(layer, relief::slope(slope))?;
                 let angle = self.add(layer, Arc::new(SlopeAngle), &[normal]);
                 let top = self.add(layer, node, &[angle]);
-                Some(self.over(layer, base, top, slope.blend))
+                Some((top, slope.blend))
             }
             LayerKind::Contours(contours) => {
                 let normal = self.normal_of(layer, ground)?;
@@ -152,23 +177,17 @@ impl Compiler<'_> {
                 // Lines stay thin where the view is nearer than the data are fine.
                 let finest = level_of_step(relief::FINEST_CONTOURS_M / self.planet.radius_m);
                 self.details.push(Detail::everywhere(top, finest));
-                Some(self.over(layer, base, top, contours.blend))
+                Some((top, contours.blend))
             }
             LayerKind::Vector(vector) => {
                 let top = self.vector_node(layer, vector)?;
                 self.builder.cut(top, SampleType::Rgba8);
                 let finest = level_of_step(vectors::FINEST_M / self.planet.radius_m);
                 self.details.push(Detail::everywhere(top, finest));
-                Some(self.over(layer, base, top, Blend::Normal))
+                Some((top, Blend::Normal))
             }
             LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. } => None,
         }
-    }
-
-    /// A layer's colours over what lies below, as its opacity and blend mode say.
-    fn over(&mut self, layer: &Layer, base: NodeIndex, top: NodeIndex, blend: Blend) -> NodeIndex {
-        let overlay = Overlay::new(blend_mode(blend), layer.opacity as f32, false);
-        self.add(layer, Arc::new(overlay), &[base, top])
     }
 
     /// Normals of the shown ground; notes where it has none because it is level everywhere.
@@ -210,5 +229,18 @@ fn blend_mode(blend: Blend) -> BlendMode {
         Blend::Add => BlendMode::Add,
         Blend::Screen => BlendMode::Screen,
         Blend::Overlay => BlendMode::Overlay,
+        Blend::Subtract => BlendMode::Subtract,
+        Blend::Difference => BlendMode::Difference,
+        Blend::Exclusion => BlendMode::Exclusion,
+        Blend::Darken => BlendMode::Darken,
+        Blend::Lighten => BlendMode::Lighten,
+        Blend::ColourDodge => BlendMode::ColourDodge,
+        Blend::ColourBurn => BlendMode::ColourBurn,
+        Blend::HardLight => BlendMode::HardLight,
+        Blend::SoftLight => BlendMode::SoftLight,
+        Blend::Hue => BlendMode::Hue,
+        Blend::Saturation => BlendMode::Saturation,
+        Blend::Colour => BlendMode::Colour,
+        Blend::Luminosity => BlendMode::Luminosity,
     }
 }

@@ -17,7 +17,7 @@ impl Compiler<'_> {
         let mut below = self.builder.add(Arc::new(Constant::height(0.0)), &[]);
         for layer in &project.layers {
             let is_height = matches!(layer.kind, LayerKind::Height(_) | LayerKind::Noise(_));
-            if !is_height || !self.takes_part(layer) {
+            if !is_height || !self.takes_part(project, layer) {
                 continue;
             }
             if let Some(over) = self.height_layer(layer, below) {
@@ -76,7 +76,8 @@ impl Compiler<'_> {
                 let top = self.file_node(layer, &file, &height.source, (scale, offset))?;
                 self.builder.cut(top, SampleType::Height);
                 self.details.push(Detail::everywhere(top, finest));
-                let (inputs, masked) = self.with_fade(layer, &file, &height.source, below, top)?;
+                let inputs = self.with_fade(layer, &file, &height.source, below, top)?;
+                let masked = inputs.len() == 3;
                 Some(self.add(
                     layer,
                     Arc::new(OverlayHeights::new(opacity, masked)),

@@ -49,14 +49,16 @@ impl Engine {
     fn extruded(&self) -> Vec<Extruded> {
         let project = &self.project;
         let mut found = Vec::new();
-        for layer in &*project.layers_in(project.scenario.as_ref()) {
+        let layers = project.layers_in(project.scenario.as_ref());
+        for layer in &*layers {
             let LayerKind::Vector(vector) = &layer.kind else {
                 continue;
             };
             let Some(extrude) = &vector.style.extrude else {
                 continue;
             };
-            if !layer.visible || layer.opacity <= 0.0 {
+            let hidden = !layer.visible || layer.is_superseded(&layers, project.date);
+            if hidden || layer.opacity <= 0.0 {
                 continue;
             }
             let state = self.sources.state(&layer.kind, &self.folder);

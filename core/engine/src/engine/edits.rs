@@ -151,8 +151,10 @@ impl Engine {
                 | Affects::Shown => self.stale = true,
                 Affects::Layer { id, aspect } => {
                     self.stale = true;
-                    let edits_value =
-                        matches!(aspect, Aspect::Adjust | Aspect::Opacity | Aspect::Blend);
+                    let edits_value = matches!(
+                        aspect,
+                        Aspect::Adjust | Aspect::Opacity | Aspect::Blend | Aspect::Mask
+                    );
                     self.pinned = edits_value.then(|| id.clone());
                 }
                 Affects::Planet | Affects::Exaggeration => {

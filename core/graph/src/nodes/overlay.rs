@@ -1,5 +1,7 @@
 //! Colours over colours.
 
+mod blend;
+
 use relievo_planet::Grid;
 use relievo_raster::colour::{decode_each, encode_each, linear_from_srgb, srgb_from_linear};
 use relievo_raster::vector::on_widest;
@@ -7,53 +9,7 @@ use relievo_raster::{Bands, Block};
 
 use super::lanes::{self, Colours, LANES, Lanes};
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
-
-/// How the colours of two layers meet, before they are mixed by alpha.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum BlendMode {
-    /// The top's colour.
-    #[default]
-    Normal,
-    /// Product: darkens.
-    Multiply,
-    /// Sum, not clamped here: brightens.
-    Add,
-    /// Inverse of the product of inverses: brightens without clipping.
-    Screen,
-    /// Multiplies where the base is dark, screens where it is bright.
-    Overlay,
-}
-
-impl BlendMode {
-    /// B(base, top) of one channel of straight, display-referred values.
-    ///
-    /// Source: W3C Compositing and Blending Level 1, 9.1; `Add` is the plain sum.
-    #[inline(always)]
-    fn blend(self, base: f32, top: f32) -> f32 {
-        match self {
-            Self::Normal => top,
-            Self::Multiply => base * top,
-            Self::Add => base + top,
-            Self::Screen => base + top - base * top,
-            Self::Overlay if base <= 0.5 => 2.0 * base * top,
-            Self::Overlay => {
-                let bright = 2.0 * base - 1.0;
-                bright + top - bright * top
-            }
-        }
-    }
-
-    /// Stable over versions of the program.
-    fn tag(self) -> i64 {
-        match self {
-            Self::Normal => 0,
-            Self::Multiply => 1,
-            Self::Add => 2,
-            Self::Screen => 3,
-            Self::Overlay => 4,
-        }
-    }
-}
+pub use blend::BlendMode;
 
 /// The top over the base.
 ///
@@ -104,19 +60,23 @@ impl Overlay {
         if ab <= 0.0 || (at >= 1.0 && self.mode == BlendMode::Normal) {
             return [tr, tg, tb, at];
         }
-        let channels = [(br, tr), (bg, tg), (bb, tb)];
+        let blended = self.mode.blend([br, bg, bb], [tr, tg, tb]);
         if at >= 1.0 && ab >= 1.0 {
-            let [r, g, b] = channels.map(|(b, t)| self.mode.blend(b, t));
+            let [r, g, b] = blended;
             return [r, g, b, at];
         }
         let alpha = if ab >= 1.0 { ab } else { at + ab * (1.0 - at) };
-        let [r, g, b] = channels.map(|(b, t)| {
+        let channels = [
+            (br, tr, blended[0]),
+            (bg, tg, blended[1]),
+            (bb, tb, blended[2]),
+        ];
+        let [r, g, b] = channels.map(|(b, t, blended)| {
             let top = linear_from_srgb(t);
             let met = if self.mode == BlendMode::Normal {
                 top
             } else {
-                let blended = linear_from_srgb(self.mode.blend(b, t));
-                top + ab * (blended - top)
+                top + ab * (linear_from_srgb(blended) - top)
             };
             srgb_from_linear((at * met + (1.0 - at) * ab * linear_from_srgb(b)) / alpha)
         });
@@ -186,9 +146,11 @@ impl Overlay {
         }
         let alpha = base[3];
         let (only_mixes, any_mixes) = (all(&mixes), !none(&mixes));
-        for (base, top) in base.iter_mut().zip(top).take(3) {
-            let blended = self.blend_lanes(base, top);
-            let mut mixed = blended;
+        let [br, bg, bb, _] = *base;
+        let [tr, tg, tb, _] = *top;
+        let met = self.mode.blend_lanes(&[br, bg, bb], &[tr, tg, tb]);
+        for ((base, top), blended) in base.iter_mut().zip(top).zip(&met) {
+            let mut mixed = *blended;
             if any_mixes {
                 let (mut light_b, mut light_t) = (*base, *top);
                 decode_each(&mut light_b);
@@ -219,23 +181,6 @@ impl Overlay {
                     let over = choose(hides[l], top[l], over);
                     base[l] = choose(shows[l], over, base[l]);
                 }
-            }
-        }
-    }
-
-    /// B of one channel of some samples.
-    #[inline(always)]
-    fn blend_lanes(self, base: &Lanes, top: &Lanes) -> Lanes {
-        // Each arm is a loop of its own.
-        match self.mode {
-            BlendMode::Normal => *top,
-            BlendMode::Multiply => {
-                core::array::from_fn(|l| BlendMode::Multiply.blend(base[l], top[l]))
-            }
-            BlendMode::Add => core::array::from_fn(|l| BlendMode::Add.blend(base[l], top[l])),
-            BlendMode::Screen => core::array::from_fn(|l| BlendMode::Screen.blend(base[l], top[l])),
-            BlendMode::Overlay => {
-                core::array::from_fn(|l| BlendMode::Overlay.blend(base[l], top[l]))
             }
         }
     }

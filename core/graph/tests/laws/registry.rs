@@ -5,9 +5,9 @@ use std::sync::Arc;
 use relievo_earthwork::{Element, Prepared, Profile, Section, Shape, Side, Surface, Vertex};
 use relievo_graph::ImageNode;
 use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, BlendMode, Constant, ContourLines, ContourStyle, Earthwork,
-    HeightDifference, Memory, Noise, NoiseParams, Normals, Overlay, OverlayHeights, PlacedElement,
-    SlopeAngle, Stop, Tint, Vector,
+    AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, Constant, ContourLines, ContourStyle,
+    DiscMask, Earthwork, HeightDifference, MaskProduct, Memory, Noise, NoiseParams, Normals,
+    Overlay, OverlayHeights, PlacedElement, RangeMask, SlopeAngle, Stop, Tint, Vector,
 };
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
@@ -262,6 +262,37 @@ fn of_colours() -> Vec<Entry> {
         entry("hue", adjust(|p| p.hue_deg = 70.0), &[Bands::Colour]),
         entry("tint", tint(true), HEIGHT),
         entry("steps", tint(false), HEIGHT),
+        entry(
+            "soft light",
+            Arc::new(Overlay::new(BlendMode::SoftLight, 0.7, true)),
+            MASKED,
+        ),
+        entry(
+            "colour of",
+            Arc::new(Overlay::new(BlendMode::Colour, 1.0, false)),
+            COLOURS,
+        ),
+        entry(
+            "range mask",
+            Arc::new(RangeMask::new(-0.5, 0.5, 0.3)),
+            HEIGHT,
+        ),
+        entry(
+            "disc mask",
+            Arc::new(DiscMask::new(
+                &Planet::EARTH,
+                MapPoint::from_degrees(10.0, 50.0),
+                2e6,
+                1e6,
+            )),
+            &[],
+        ),
+        entry(
+            "mask product",
+            Arc::new(MaskProduct::new(2, true)),
+            &[Bands::Mask, Bands::Mask],
+        ),
+        entry("alpha mask", Arc::new(AlphaMask), &[Bands::Colour]),
         entry("contour lines", contour_lines(0), CONTOURED),
         entry("index contours", contour_lines(5), CONTOURED),
     ]

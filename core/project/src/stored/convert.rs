@@ -3,8 +3,10 @@
 mod adjust;
 mod elements;
 mod layer;
+mod mask;
 mod relief;
 mod scenarios;
+mod series;
 mod settings;
 mod vector;
 
@@ -17,6 +19,7 @@ pub(crate) use layer::{bands, layer_id, layer_name, source_path, unknown_is_unkn
 pub(crate) use relief::{stored_tint, tint};
 
 use super::fault::{At, Fault};
+use super::series::StoredDate;
 use super::value::With;
 use super::{range, v1};
 use crate::{Layer, Project};
@@ -72,6 +75,7 @@ impl Twin for Project {
             elements: elements::all(fields.elements, &At::Member(at, "elements"))?,
             scenarios: scenarios::all(fields.scenarios, &At::Member(at, "scenarios"))?,
             scenario: None,
+            date: fields.date.map(|date| date.0),
             bookmarks: scenarios::bookmarks(fields.bookmarks, &At::Member(at, "bookmarks"))?,
             extra,
         };
@@ -93,6 +97,7 @@ impl Twin for Project {
                 elements: unless_empty(self.elements.iter().map(|e| e.to_stored()).collect()),
                 scenarios: unless_empty(self.scenarios.iter().map(Twin::to_stored).collect()),
                 scenario: self.scenario.as_ref().map(|id| id.0.clone()),
+                date: self.date.map(StoredDate),
                 bookmarks: unless_empty(self.bookmarks.iter().map(Twin::to_stored).collect()),
             },
             extra: self.extra.clone(),

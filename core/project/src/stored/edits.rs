@@ -16,7 +16,9 @@ use serde_json::Value;
 use super::adjust::Adjust;
 use super::elements::{Element, ElementStyle};
 use super::fault::{At, Fault, describe, quote};
+use super::mask::Mask;
 use super::scenarios::{Bookmark, Change, LayerOverride, Scenario};
+use super::series::{Dated, StoredDate};
 use super::stretch::StoredStretch;
 use super::value::{Fields, Stored, With, object};
 use super::vector::VectorStyle;
@@ -29,7 +31,6 @@ macro_rules! stored_edits {
 
         /// One edit.
         #[derive(Clone, Debug, PartialEq)]
-        #[expect(clippy::large_enum_variant, reason = "read and written one at a time")]
         pub(crate) enum StoredEdit {
             $($(#[$doc])* $name($name),)*
         }
@@ -101,6 +102,13 @@ stored_edits! {
     SetLocked = "set_locked" { id: String, locked: bool, }
     /// Changes how an imagery, tint, slope or contours layer meets the layers below.
     SetBlend = "set_blend" { id: String, blend: v1::Blend, }
+    /// Gives a layer its place in a series of pictures of one ground at different times; in none where
+    /// `dated` is left out.
+    SetDated = "set_dated" { id: String, dated: Option<With<Dated>>, }
+    /// Chooses the day that series of layers are shown at; the latest of each where `date` is left out.
+    ShowDate = "show_date" { date: Option<StoredDate>, }
+    /// Changes where a layer with colours shows; everywhere where `mask` is left out.
+    SetMask = "set_mask" { id: String, mask: Option<With<Mask>>, }
     /// Replaces the colour adjustment of an imagery or tint layer.
     SetAdjust = "set_adjust" { id: String, adjust: With<Adjust>, }
     /// Changes how samples between a file's pixels are made.

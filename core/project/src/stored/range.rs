@@ -29,6 +29,10 @@ pub(crate) const FRAME_BUDGET_MS: Range<f64> = range(1.0, 1000.0);
 /// Also the limits of projected coordinates: far beyond any planet.
 pub(crate) const COORDINATE: Range<f64> = range(-1e10, 1e10);
 pub(crate) const EDGE_FADE_M: Range<f64> = range(0.0, 1e7);
+/// Beyond heights of a mask.
+pub(crate) const MASK_FADE_M: Range<f64> = range(0.0, 1e7);
+/// Radii of lenses: around any planet.
+pub(crate) const LENS_M: Range<f64> = range(0.0, 1e10);
 pub(crate) const NODATA: Range<f64> = range(f64::MIN, f64::MAX);
 pub(crate) const BAND: Range<u32> = range(1, 65_535);
 pub(crate) const SIGNED_SHARE: Range<f64> = range(-1.0, 1.0);

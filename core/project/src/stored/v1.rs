@@ -10,9 +10,11 @@ use serde_json::Value;
 use super::adjust::Adjust;
 use super::elements::Element;
 use super::fault::{At, Fault, describe, quote};
+use super::mask::Mask;
 use super::range;
 use super::relief::{Contours, Slope, Tint};
 use super::scenarios::{Bookmark, Scenario};
+use super::series::{Dated, StoredDate};
 use super::stretch::StoredStretch;
 use super::value::{Fields, InRange as _, Stored, With, object, put_extra};
 use super::vector::Vector;
@@ -46,6 +48,8 @@ fields! {
         scenarios: Option<Vec<With<Scenario>>>,
         /// Id of the scenario that is shown; the base where left out.
         scenario: Option<String>,
+        /// The day that series of layers are shown at; their latest where left out.
+        date: Option<StoredDate>,
         /// Places to go back to.
         #[schemars(length(max = range::MOST_BOOKMARKS))]
         bookmarks: Option<Vec<With<Bookmark>>>,
@@ -289,6 +293,10 @@ fields! {
         opacity: Option<f64> = range::SHARE,
         /// Whether edits in the window are refused; false where left out.
         locked: Option<bool>,
+        /// Where a layer with colours shows; everywhere where left out.
+        mask: Option<With<Mask>>,
+        /// The layer's place in a series of pictures of one ground at different times; none where left out.
+        dated: Option<With<Dated>>,
     }
 }
 
@@ -434,6 +442,32 @@ names! {
         Screen = "screen",
         /// Multiply in shadows, screen in lights.
         Overlay = "overlay",
+        /// Less the layer: darkens.
+        Subtract = "subtract",
+        /// How far the two are apart.
+        Difference = "difference",
+        /// Like the difference, with less contrast.
+        Exclusion = "exclusion",
+        /// The darker of each channel.
+        Darken = "darken",
+        /// The lighter of each channel.
+        Lighten = "lighten",
+        /// What lies below is lightened to reflect the layer.
+        ColourDodge = "colour_dodge",
+        /// What lies below is darkened to reflect the layer.
+        ColourBurn = "colour_burn",
+        /// Multiply where the layer is dark, screen where it is light.
+        HardLight = "hard_light",
+        /// Darkens or lightens gently, as the layer says.
+        SoftLight = "soft_light",
+        /// The layer's hue alone.
+        Hue = "hue",
+        /// The layer's saturation alone.
+        Saturation = "saturation",
+        /// The layer's hue and saturation.
+        Colour = "colour",
+        /// The layer's luminosity alone.
+        Luminosity = "luminosity",
     }
 }
 

@@ -28,6 +28,8 @@ pub enum Pane {
     Place,
     /// How often each value is seen in the selected layer.
     Histogram,
+    /// Colours of layers brought to one look.
+    Match,
     /// Heights along a line.
     Profile,
     /// Volumes and areas between two scenarios.
@@ -46,7 +48,7 @@ pub enum Pane {
 
 impl Pane {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::View,
         Self::Layers,
         Self::Elements,
@@ -58,6 +60,7 @@ impl Pane {
         Self::Messages,
         Self::Place,
         Self::Histogram,
+        Self::Match,
         Self::Profile,
         Self::Volumes,
         Self::Viewshed,
@@ -81,6 +84,7 @@ impl Pane {
             Self::Messages => "Messages",
             Self::Place => "Place",
             Self::Histogram => "Histogram",
+            Self::Match => "Match",
             Self::Profile => "Profile",
             Self::Volumes => "Volumes",
             Self::Viewshed => "Viewshed",
@@ -100,6 +104,7 @@ impl Pane {
             Self::Inspector
             | Self::Scene
             | Self::History
+            | Self::Match
             | Self::Viewshed
             | Self::Flood
             | Self::Contours => Home::Right,
@@ -115,7 +120,11 @@ impl Pane {
 
     /// Whether it is shown at first.
     pub(super) fn is_open_at_first(self) -> bool {
-        !matches!(self, Self::Viewshed | Self::Flood | Self::Contours) && self.home() != Home::Below
+        let asked_for = matches!(
+            self,
+            Self::Match | Self::Viewshed | Self::Flood | Self::Contours
+        );
+        !asked_for && self.home() != Home::Below
     }
 }
 

@@ -64,6 +64,7 @@ impl Studio {
             Action::Classify(id, recipe) => self.classify(id, recipe),
             Action::Export(export) => self.pick(Purpose::Export(export)),
             Action::Hide(pane) => self.layout.hide(pane),
+            Action::Show(pane) => self.layout.open(pane),
             Action::Run(command) => self.run(command, ctx),
             Action::Open(path) => self.unless_changed(Then::Open(path), ctx),
             Action::ClearRecent => self.recent.clear(),
@@ -132,6 +133,10 @@ impl Studio {
                     Tool::Observer => self.layout.open(Pane::Viewshed),
                     Tool::Water => self.layout.open(Pane::Flood),
                     Tool::Hole | Tool::Breakline => self.layout.open(Pane::Inspector),
+                    Tool::Lens => {
+                        self.select_element(None);
+                        self.layout.open(Pane::Inspector);
+                    }
                     Tool::Polygon | Tool::Corridor | Tool::Brush | Tool::Measure => {
                         if !self.layout.is_open(Pane::Elements) {
                             self.layout.open(Pane::Elements);

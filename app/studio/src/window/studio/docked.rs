@@ -72,7 +72,8 @@ impl Studio {
                 let answer = self.probe.last().and_then(|last| last.answer);
                 place::show(ui, engine.project(), self.notation, answer.as_ref());
             }
-            Pane::Histogram => self.histogram_pane(ui),
+            Pane::Histogram => self.histogram_pane(ui, actions),
+            Pane::Match => self.match_pane(ui, actions),
             Pane::Profile => self.profile_pane(ui),
             Pane::Volumes => self.volumes_pane(ui, actions),
             Pane::Viewshed => self.viewshed_pane(ui, actions),
@@ -91,9 +92,10 @@ impl Studio {
     /// Settings of the selected element, or else of the selected layer.
     fn inspect(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let Some(element) = self.selected_element() else {
+            let lens = self.usual_lens();
             let engine = self.document.engine();
             self.inspector
-                .show(ui, engine, self.selected.as_ref(), actions);
+                .show(ui, engine, self.selected.as_ref(), &lens, actions);
             return;
         };
         let vertex = self.tools.vertex.as_ref();

@@ -47,6 +47,7 @@ impl Studio {
         self.compare = None;
         self.tools = Tools::default();
         self.analyses.clear();
+        self.matching.clear();
         self.offer = None;
         let mut old = std::mem::replace(&mut self.document, document);
         old.engine_mut().forget_unsaved();

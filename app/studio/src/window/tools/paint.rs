@@ -54,7 +54,12 @@ impl Studio {
             painter.circle(at, 5.0, BAND, Stroke::new(1.5, Color32::from_gray(20)));
         }
         match self.tools.tool {
-            Tool::Select | Tool::Observer | Tool::Water => {}
+            Tool::Select | Tool::Observer | Tool::Water => {
+                if self.selected_element.is_none() {
+                    self.paint_lens(&painter, &projector, Stroke::new(1.0, OTHER));
+                }
+            }
+            Tool::Lens => self.paint_lens(&painter, &projector, Stroke::new(2.0, BAND)),
             Tool::Polygon | Tool::Hole | Tool::Breakline | Tool::Corridor | Tool::Measure => {
                 self.paint_draft(&painter, &projector);
             }

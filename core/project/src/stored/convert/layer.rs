@@ -7,8 +7,9 @@ use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
 use crate::stored::{range, v1};
 use crate::{
-    Adjust, Blend, ContoursLayer, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId,
-    LayerKind, Noise, NoiseLayer, Resampling, SlopeLayer, Source, Stretch, TintLayer, VectorLayer,
+    Adjust, Blend, ContoursLayer, Dated, Extent, Georeference, HeightLayer, ImageryLayer, Layer,
+    LayerId, LayerKind, Mask, Noise, NoiseLayer, Resampling, SlopeLayer, Source, Stretch,
+    TintLayer, VectorLayer,
 };
 
 /// A valid id.
@@ -83,6 +84,11 @@ impl Twin for Layer {
             visible: base.visible.unwrap_or(true),
             opacity: base.opacity.unwrap_or(1.0),
             locked: base.locked.unwrap_or(false),
+            mask: mask(base.mask, &kind, at)?,
+            dated: base
+                .dated
+                .map(|dated| Dated::from_stored(dated, &At::Member(at, "dated")))
+                .transpose()?,
             kind,
             extra,
         })
@@ -97,6 +103,8 @@ impl Twin for Layer {
                 visible: unless_default(self.visible, &true),
                 opacity: unless_default(self.opacity, &1.0),
                 locked: unless_default(self.locked, &false),
+                mask: self.mask.as_ref().map(Twin::to_stored),
+                dated: self.dated.as_ref().map(Twin::to_stored),
             },
             kind: match &self.kind {
                 LayerKind::Imagery(imagery) => {
@@ -112,6 +120,22 @@ impl Twin for Layer {
             },
             extra: self.extra.clone(),
         }
+    }
+}
+
+/// A layer's mask; heights have none.
+fn mask(
+    stored: Option<With<crate::stored::mask::Mask>>,
+    kind: &LayerKind,
+    at: &At<'_>,
+) -> Result<Option<Mask>, Fault> {
+    let at = At::Member(at, "mask");
+    match stored {
+        Some(_) if !kind.may_be_masked() => Err(at.fault(
+            "a mask of a layer with colours",
+            format!("one of kind {}", quote(kind.name())),
+        )),
+        stored => stored.map(|mask| Mask::from_stored(mask, &at)).transpose(),
     }
 }
 

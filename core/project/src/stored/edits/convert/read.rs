@@ -11,8 +11,9 @@ use crate::stored::fault::{At, Fault};
 use crate::stored::range;
 use crate::stored::value::With;
 use crate::{
-    Adjust, Bookmark, CameraSettings, Change, Edit, Element, ElementStyle, Georeference, Layer,
-    LayerOverride, PlanetSettings, Quality, Scenario, ScenarioId, Stretch, Sun, VectorStyle,
+    Adjust, Bookmark, CameraSettings, Change, Dated, Edit, Element, ElementStyle, Georeference,
+    Layer, LayerOverride, Mask, PlanetSettings, Quality, Scenario, ScenarioId, Stretch, Sun,
+    VectorStyle,
 };
 
 #[expect(clippy::too_many_lines, reason = "one arm for each edit")]
@@ -51,6 +52,28 @@ pub(super) fn edit(stored: StoredEdit, at: &At<'_>) -> Result<Edit, Fault> {
             id: id(e.id)?,
             blend: e.blend.into(),
         },
+        StoredEdit::SetDated(e) => {
+            let at = At::Member(at, "dated");
+            let dated = e.dated.map(|dated| Dated::from_stored(dated, &at));
+            Edit::SetDated {
+                id: id(e.id)?,
+                dated: dated.transpose()?,
+            }
+        }
+        StoredEdit::ShowDate(e) => Edit::ShowDate {
+            date: e.date.map(|date| date.0),
+        },
+        StoredEdit::SetMask(e) => {
+            let at = At::Member(at, "mask");
+            let mask = e
+                .mask
+                .map(|mask| Mask::from_stored(mask, &at))
+                .transpose()?;
+            Edit::SetMask {
+                id: id(e.id)?,
+                mask: mask.map(Box::new),
+            }
+        }
         StoredEdit::SetAdjust(e) => {
             let adjust = Adjust::from_stored(e.adjust, &At::Member(at, "adjust"))?;
             Edit::SetAdjust {

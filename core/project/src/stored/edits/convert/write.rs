@@ -5,12 +5,13 @@ use crate::stored::edits::{
     AddBookmark, AddElement, AddLayer, AddScenario, Batch, DuplicateScenario, MergeScenario,
     MoveElement, MoveLayer, RemoveBookmark, RemoveElement, RemoveLayer, RemoveScenario,
     RenameScenario, ReplaceBookmark, ReplaceElement, SetAdjust, SetBands, SetBlend, SetCamera,
-    SetChange, SetChanges, SetContours, SetEdgeFade, SetElementLocked, SetElementName,
+    SetChange, SetChanges, SetContours, SetDated, SetEdgeFade, SetElementLocked, SetElementName,
     SetElementStyle, SetElementVisible, SetExaggeration, SetGeoreference, SetHeightScale,
-    SetLocked, SetName, SetNodata, SetNoise, SetOpacity, SetPath, SetPlanet, SetQuality,
+    SetLocked, SetMask, SetName, SetNodata, SetNoise, SetOpacity, SetPath, SetPlanet, SetQuality,
     SetResampling, SetScenarioLayer, SetScenarioParent, SetSlope, SetStretch, SetSun, SetTiles,
-    SetTint, SetVectorSource, SetVectorStyle, SetVisible, ShowScenario, StoredEdit,
+    SetTint, SetVectorSource, SetVectorStyle, SetVisible, ShowDate, ShowScenario, StoredEdit,
 };
+use crate::stored::series::StoredDate;
 use crate::stored::stretch::StoredStretch;
 use crate::stored::value::With;
 use crate::{Edit, Extra, LayerId};
@@ -47,6 +48,17 @@ pub(super) fn edit(edit: &Edit) -> StoredEdit {
         Edit::SetBlend { id, blend } => StoredEdit::SetBlend(SetBlend {
             id: text(id),
             blend: (*blend).into(),
+        }),
+        Edit::SetDated { id, dated } => StoredEdit::SetDated(SetDated {
+            id: text(id),
+            dated: dated.as_ref().map(Twin::to_stored),
+        }),
+        Edit::ShowDate { date } => StoredEdit::ShowDate(ShowDate {
+            date: date.map(StoredDate),
+        }),
+        Edit::SetMask { id, mask } => StoredEdit::SetMask(SetMask {
+            id: text(id),
+            mask: mask.as_ref().map(|mask| mask.to_stored()),
         }),
         Edit::SetAdjust { id, adjust } => StoredEdit::SetAdjust(SetAdjust {
             id: text(id),

@@ -1,0 +1,323 @@
+//! Where a layer shows.
+
+use eframe::egui::{CollapsingHeader, ComboBox, RichText, Ui};
+use relievo_engine::project::{
+    Edit, Extra, Layer, LayerId, LayerKind, Mask, MaskCircle, MaskRange, Project,
+};
+
+use crate::commands::{Command, entry_of};
+use crate::window::action::Action;
+use crate::window::controls::{self, Number};
+use crate::window::tools::Tool;
+use crate::window::tools::lens::with_circle;
+
+const FROM_M: Number = Number::new(
+    "From",
+    "Lowest height that shows fully",
+    -12_000.0..=25_000.0,
+    0.0,
+)
+.unit(" m", 0);
+const TO_M: Number = Number::new(
+    "To",
+    "Highest height that shows fully",
+    -12_000.0..=25_000.0,
+    3000.0,
+)
+.unit(" m", 0);
+const FADE_M: Number = Number::new(
+    "Fade",
+    "Metres of height beyond either end over which the layer fades out",
+    0.0..=10_000.0,
+    0.0,
+)
+.unit(" m", 0)
+.logarithmic();
+const FROM_DEG: Number = Number::new(
+    "From",
+    "Least slope that shows fully, against the horizontal",
+    0.0..=90.0,
+    30.0,
+)
+.unit("°", 1);
+const TO_DEG: Number = Number::new(
+    "To",
+    "Greatest slope that shows fully, against the horizontal",
+    0.0..=90.0,
+    90.0,
+)
+.unit("°", 1);
+const FADE_DEG: Number = Number::new(
+    "Fade",
+    "Degrees beyond either end over which the layer fades out",
+    0.0..=90.0,
+    0.0,
+)
+.unit("°", 1);
+const LON: Number = Number::new(
+    "Longitude",
+    "Of the circle's centre, east positive",
+    -180.0..=180.0,
+    0.0,
+)
+.unit("°", 5);
+const LAT: Number = Number::new(
+    "Latitude",
+    "Of the circle's centre, north positive",
+    -90.0..=90.0,
+    0.0,
+)
+.unit("°", 5);
+const RADIUS: Number = Number::new(
+    "Radius",
+    "Of the circle, along the ground",
+    1.0..=20_000_000.0,
+    10_000.0,
+)
+.unit(" m", 0)
+.logarithmic();
+const CIRCLE_FADE: Number = Number::new(
+    "Fade",
+    "Metres beyond the circle over which the layer fades out",
+    0.0..=10_000_000.0,
+    0.0,
+)
+.unit(" m", 0)
+.logarithmic();
+
+/// Draws it; `lens` is the circle that a layer without one is given.
+pub(super) fn show(
+    ui: &mut Ui,
+    project: &Project,
+    layer: &Layer,
+    lens: &MaskCircle,
+    actions: &mut Vec<Action>,
+) {
+    ui.add_space(4.0);
+    CollapsingHeader::new(RichText::new("Mask").strong())
+        .default_open(layer.mask.is_some())
+        .show_unindented(ui, |ui| {
+            let mask = layer.mask.clone().unwrap_or_default();
+            heights(ui, &layer.id, &mask, actions);
+            slopes(ui, &layer.id, &mask, actions);
+            circle(ui, project, layer, &mask, lens, actions);
+            areas(ui, project, layer, &mask, actions);
+            let mut invert = mask.invert;
+            let hint = "Show the layer everywhere else instead";
+            let tick = ui.checkbox(&mut invert, "Outside instead of inside");
+            if tick.on_hover_text(hint).changed() {
+                actions.push(Action::Edit(set(&layer.id, &mask, |m| m.invert = invert)));
+            }
+        });
+}
+
+/// An edit that changes a mask; one that is left without anything goes.
+fn set(id: &LayerId, mask: &Mask, change: impl FnOnce(&mut Mask)) -> Edit {
+    let mut mask = mask.clone();
+    change(&mut mask);
+    let says_nothing = mask == Mask::default();
+    Edit::SetMask {
+        id: id.clone(),
+        mask: (!says_nothing).then(|| Box::new(mask)),
+    }
+}
+
+fn usual(from: f64, to: f64, fade: f64) -> MaskRange {
+    MaskRange {
+        from,
+        to,
+        fade,
+        extra: Extra::new(),
+    }
+}
+
+fn heights(ui: &mut Ui, id: &LayerId, mask: &Mask, actions: &mut Vec<Action>) {
+    let mut on = mask.heights.is_some();
+    let tick = ui.checkbox(&mut on, "By height");
+    let hint = "Show the layer only where the ground lies in a range of heights";
+    if tick.on_hover_text(hint).changed() {
+        let range = on.then(|| usual(0.0, 3000.0, 100.0));
+        actions.push(Action::Edit(set(id, mask, |m| m.heights = range)));
+    }
+    if let Some(range) = &mask.heights {
+        let numbers = [&FROM_M, &TO_M, &FADE_M];
+        rows(ui, ("heights", numbers), range, actions, |range| {
+            set(id, mask, |m| m.heights = Some(range))
+        });
+    }
+}
+
+fn slopes(ui: &mut Ui, id: &LayerId, mask: &Mask, actions: &mut Vec<Action>) {
+    let mut on = mask.slopes.is_some();
+    let tick = ui.checkbox(&mut on, "By slope");
+    let hint = "Show the layer only where the ground is so steep";
+    if tick.on_hover_text(hint).changed() {
+        let range = on.then(|| usual(30.0, 90.0, 5.0));
+        actions.push(Action::Edit(set(id, mask, |m| m.slopes = range)));
+    }
+    if let Some(range) = &mask.slopes {
+        let numbers = [&FROM_DEG, &TO_DEG, &FADE_DEG];
+        rows(ui, ("slopes", numbers), range, actions, |range| {
+            set(id, mask, |m| m.slopes = Some(range))
+        });
+    }
+}
+
+/// The numbers of a range; either end gives way to the other.
+fn rows(
+    ui: &mut Ui,
+    (name, [low, high, fade]): (&str, [&Number; 3]),
+    range: &MaskRange,
+    actions: &mut Vec<Action>,
+    edit: impl Fn(MaskRange) -> Edit,
+) {
+    let with = |change: &dyn Fn(&mut MaskRange)| {
+        let mut range = range.clone();
+        change(&mut range);
+        edit(range)
+    };
+    ui.push_id(name, |ui| {
+        controls::number(ui, low, range.from, actions, |v| {
+            with(&|r| (r.from, r.to) = (v, r.to.max(v)))
+        });
+        controls::number(ui, high, range.to, actions, |v| {
+            with(&|r| (r.from, r.to) = (r.from.min(v), v))
+        });
+        controls::number(ui, fade, range.fade, actions, |v| with(&|r| r.fade = v));
+    });
+}
+
+fn circle(
+    ui: &mut Ui,
+    project: &Project,
+    layer: &Layer,
+    mask: &Mask,
+    lens: &MaskCircle,
+    actions: &mut Vec<Action>,
+) {
+    let id = &layer.id;
+    let mut on = mask.circle.is_some();
+    let hint = "Show the layer only in a circle on the ground: a lens. Layers with the same circle move together";
+    ui.horizontal(|ui| {
+        let tick = ui.checkbox(&mut on, "In a circle");
+        if tick.on_hover_text(hint).changed() {
+            let circle = on.then(|| lens.clone());
+            actions.push(Action::Edit(set(id, mask, |m| m.circle = circle)));
+        }
+        if mask.circle.is_some() {
+            let command = Command::Use(Tool::Lens);
+            let entry = entry_of(command);
+            if ui.button("Move").on_hover_text(entry.help).clicked() {
+                actions.push(Action::Run(command));
+            }
+        }
+    });
+    let Some(circle) = &mask.circle else { return };
+    others_with_lens(ui, project, layer, mask, actions);
+    let with = |change: &dyn Fn(&mut MaskCircle)| {
+        let mut circle = circle.clone();
+        change(&mut circle);
+        with_circle(project, id, &circle)
+    };
+    ui.push_id("circle", |ui| {
+        controls::number(ui, &LON, circle.lon_deg, actions, |v| {
+            with(&|c| c.lon_deg = v)
+        });
+        controls::number(ui, &LAT, circle.lat_deg, actions, |v| {
+            with(&|c| c.lat_deg = v)
+        });
+        controls::number(ui, &RADIUS, circle.radius_m, actions, |v| {
+            with(&|c| c.radius_m = v)
+        });
+        controls::number(ui, &CIRCLE_FADE, circle.fade_m, actions, |v| {
+            with(&|c| c.fade_m = v)
+        });
+    });
+}
+
+/// Lenses of other layers that this one can share.
+fn others_with_lens(
+    ui: &mut Ui,
+    project: &Project,
+    layer: &Layer,
+    mask: &Mask,
+    actions: &mut Vec<Action>,
+) {
+    let lens_of = |other: &Layer| other.mask.as_ref().and_then(|m| m.circle.clone());
+    let others: Vec<_> = project
+        .layers
+        .iter()
+        .filter(|other| other.id != layer.id)
+        .filter_map(|other| Some((other.name.as_str(), lens_of(other)?)))
+        .collect();
+    if others.is_empty() {
+        return;
+    }
+    let shared = others
+        .iter()
+        .find(|(_, lens)| Some(lens) == mask.circle.as_ref());
+    ui.horizontal(|ui| {
+        let hint = "Use the circle of another layer: both then move together";
+        let label = controls::name(ui, "Lens of", false).on_hover_text(hint);
+        let combo = ComboBox::from_id_salt("lens of")
+            .selected_text(shown_name(
+                shared.map(|(name, _)| *name),
+                "this layer alone",
+            ))
+            .width(ui.available_width() - 8.0);
+        let combo = combo.show_ui(ui, |ui| {
+            for (name, lens) in &others {
+                if ui
+                    .selectable_label(Some(lens) == mask.circle.as_ref(), *name)
+                    .clicked()
+                {
+                    let lens = lens.clone();
+                    actions.push(Action::Edit(set(&layer.id, mask, |m| {
+                        m.circle = Some(lens);
+                    })));
+                }
+            }
+        });
+        combo.response.labelled_by(label.id).on_hover_text(hint);
+    });
+}
+
+fn shown_name<'a>(name: Option<&'a str>, none: &'a str) -> &'a str {
+    name.unwrap_or(none)
+}
+
+fn areas(ui: &mut Ui, project: &Project, layer: &Layer, mask: &Mask, actions: &mut Vec<Action>) {
+    let others: Vec<&Layer> = project
+        .layers
+        .iter()
+        .filter(|other| other.id != layer.id && matches!(other.kind, LayerKind::Vector(_)))
+        .collect();
+    if others.is_empty() && mask.vector.is_none() {
+        return;
+    }
+    ui.horizontal(|ui| {
+        let hint = "Show the layer only inside the areas of a vector layer, which may be hidden";
+        let label = controls::name(ui, "In areas of", false).on_hover_text(hint);
+        let chosen = mask.vector.as_ref();
+        let found = others.iter().find(|other| Some(&other.id) == chosen);
+        let missing = if chosen.is_some() {
+            "a layer that is gone"
+        } else {
+            "None"
+        };
+        let combo = ComboBox::from_id_salt("in areas of")
+            .selected_text(shown_name(found.map(|other| other.name.as_str()), missing))
+            .width(ui.available_width() - 8.0);
+        let combo = combo.show_ui(ui, |ui| {
+            let mut new = mask.vector.clone();
+            ui.selectable_value(&mut new, None, "None");
+            for other in &others {
+                ui.selectable_value(&mut new, Some(other.id.clone()), &other.name);
+            }
+            if new != mask.vector {
+                actions.push(Action::Edit(set(&layer.id, mask, |m| m.vector = new)));
+            }
+        });
+        combo.response.labelled_by(label.id).on_hover_text(hint);
+    });
+}
