@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::{
-    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Element, ElementId,
+    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Detail, Element, ElementId,
     ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Noise,
     PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun, TileRows,
     Tint, VectorStyle,
@@ -150,6 +150,13 @@ pub enum Edit {
         id: LayerId,
         /// All parameters.
         noise: Noise,
+    },
+    /// Changes a detail layer.
+    SetDetail {
+        /// Which.
+        id: LayerId,
+        /// All parameters.
+        detail: Detail,
     },
     /// Changes a tint layer's colours.
     SetTint {
@@ -460,7 +467,7 @@ pub enum Aspect {
     EdgeFade,
     /// Its vertical scale and offset.
     HeightScale,
-    /// Its noise.
+    /// Its noise, or the detail that it adds.
     Noise,
     /// Its tint.
     Tint,

@@ -1,6 +1,8 @@
 //! Layers of the runtime document.
 
-use crate::{Adjust, ContoursLayer, Extra, LayerId, SlopeLayer, TintLayer, VectorLayer};
+use crate::{
+    Adjust, ContoursLayer, DetailLayer, Extra, LayerId, SlopeLayer, TintLayer, VectorLayer,
+};
 
 /// One layer of the stack.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +43,7 @@ impl Layer {
             LayerKind::Imagery(imagery) => Some(&imagery.source),
             LayerKind::Height(height) => Some(&height.source),
             LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Tint(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
@@ -56,6 +59,7 @@ impl Layer {
             LayerKind::Imagery(_)
             | LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Tint(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
@@ -77,6 +81,8 @@ pub enum LayerKind {
     Height(HeightLayer),
     /// Heights from fractal noise.
     Noise(NoiseLayer),
+    /// Heights of the layers below, continued beyond their own resolution.
+    Detail(DetailLayer),
     /// Colours from the heights of the shown ground.
     Tint(TintLayer),
     /// Colours from the steepness of the shown ground.
@@ -93,13 +99,14 @@ pub enum LayerKind {
 }
 
 impl LayerKind {
-    /// The kind's name in the file: `imagery`, `height`, `noise`, `tint`, `slope`, `contours`,
-    /// `vector` or the unknown name.
+    /// The kind's name in the file: `imagery`, `height`, `noise`, `detail`, `tint`, `slope`,
+    /// `contours`, `vector` or the unknown name.
     pub fn name(&self) -> &str {
         match self {
             Self::Imagery(_) => "imagery",
             Self::Height(_) => "height",
             Self::Noise(_) => "noise",
+            Self::Detail(_) => "detail",
             Self::Tint(_) => "tint",
             Self::Slope(_) => "slope",
             Self::Contours(_) => "contours",
