@@ -13,8 +13,11 @@ pub const EXPONENTS: [f64; 2] = [0.4, 1.0];
 /// What a fit tends to where heights say little: between the 0.5 of eroded and the 1 of smooth ground.
 const USUAL_EXPONENT: f64 = 0.8;
 
-/// How much the usual exponent counts: as much as one octave that was measured well counts about four times.
-const USUAL_WEIGHT: f64 = 0.15;
+/// How much the usual exponent counts: little beside octaves that were measured well, of which each counts about 0.5.
+const USUAL_WEIGHT: f64 = 0.08;
+
+/// The most that is put back for what data lack, as a logarithm: within a sample they say nothing.
+const MOST_LACKING: f64 = 3.0;
 
 /// Independent differences from which on a lag counts half.
 const HALF_COUNT: f64 = 20.0;
@@ -161,16 +164,16 @@ impl PowerLaw {
         // What is lacking depends on the exponent: three rounds settle it to a hundredth.
         for _ in 0..4 {
             let exponent = law.map_or(USUAL_EXPONENT, |law| law.exponent);
-            law = Self::through(measured, |lag_m| missing(lag_m / spacing_m, exponent));
+            law = Self::through(measured, |lag_m| ln_lacking(lag_m / spacing_m, exponent));
         }
         law
     }
 
-    fn through(measured: &[Measured], missing: impl Fn(f64) -> f64) -> Option<Self> {
+    fn through(measured: &[Measured], ln_lacking: impl Fn(f64) -> f64) -> Option<Self> {
         let points = measured.iter().filter(|m| m.energy_m2 > 0.0).map(|m| {
-            let whole_m2 = m.energy_m2 / (1.0 - missing(m.lag_m));
+            let ln_whole = libm::log(m.energy_m2) + ln_lacking(m.lag_m);
             let weight = m.independent / (m.independent + HALF_COUNT);
-            (libm::log(m.lag_m), 0.5 * libm::log(whole_m2), weight)
+            (libm::log(m.lag_m), 0.5 * ln_whole, weight)
         });
         let (mut weights, mut mean_x, mut mean_y) = (0.0, 0.0, 0.0);
         for (x, y, weight) in points.clone() {
@@ -200,18 +203,18 @@ impl PowerLaw {
     }
 }
 
-/// The share of the energy at a lag, in samples of the data, that data lack which are means over their
-/// samples, bilinear between them.
+/// The natural logarithm of the factor that the energy at a lag, in samples of the data, lacks where data are
+/// means over their samples, bilinear between them.
 ///
-/// What is lacking is about white, so that its share falls with the law itself. The factor was fitted to
-/// surfaces of random phases with exponents of 0.4, 0.7 and 1, sixteen times finer than the data
-/// (`docs/decisions/0030-detail-follows-the-measured-law.md`).
-fn missing(lag: f64, exponent: f64) -> f64 {
+/// Fitted within 0.2 dB at lags of 1.5 to 8 to surfaces of random phases with exponents of 0.4, 0.7 and 1 and
+/// sixteen times finer than the data ([decision 30](../../../docs/decisions/0030-detail-follows-the-measured-law.md)).
+fn ln_lacking(lag: f64, exponent: f64) -> f64 {
     if !lag.is_finite() {
         return 0.0;
     }
-    let factor = libm::exp(-0.082 + exponent * (0.148 + 0.85 * exponent));
-    (factor * libm::pow(lag, -2.0 * exponent)).min(0.6)
+    let factor = libm::exp(0.834 - 0.587 * exponent);
+    let falloff = 0.35 + exponent * (1.75 - 0.5 * exponent);
+    (factor * libm::pow(lag, -falloff)).min(MOST_LACKING)
 }
 
 #[cfg(test)]

@@ -120,10 +120,11 @@ fn what_data_lack_is_put_back() {
         let all = measured(&heights);
         let lacking = PowerLaw::fit(&all, 0.0).unwrap();
         let law = PowerLaw::fit(&all, spacing).unwrap();
-        let true_m2 = law_of(exponent)(spacing);
-        let [without, with] = [lacking, law].map(|l| decibels(l.energy_m2(spacing), true_m2));
+        let whole = PowerLaw::fit(&measured(&square(&fine)), 0.0).unwrap();
+        let whole_m2 = whole.energy_m2(spacing);
+        let [without, with] = [lacking, law].map(|l| decibels(l.energy_m2(spacing), whole_m2));
         assert!(
-            with.abs() < 1.5 && without < with - 0.5,
+            with.abs() < 1.0 && without < with - 0.5,
             "{exponent}: {without} {with}"
         );
     }
