@@ -335,14 +335,12 @@ impl Compiler<'_> {
     }
 }
 
-/// The project as measurements see it: without detail beyond the data; `None` if it has none anyway.
-pub(crate) fn without_detail(project: &Project) -> Option<Project> {
-    let is_detail = |layer: &Layer| matches!(layer.kind, LayerKind::Detail(_)) && layer.visible;
-    project.layers.iter().any(is_detail).then(|| {
-        let mut bare = project.clone();
-        bare.layers.retain(|layer| !is_detail(layer));
-        bare
-    })
+/// The project as measurements see it: without detail beyond the data.
+pub(crate) fn without_detail(project: &Project) -> Project {
+    let mut bare = project.clone();
+    bare.layers
+        .retain(|layer| !matches!(layer.kind, LayerKind::Detail(_)));
+    bare
 }
 
 /// Why a layer of this kind cannot change any sample, if so.

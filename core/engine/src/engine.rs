@@ -338,10 +338,13 @@ impl Engine {
             Arc::new(compiled.into_scene(0))
         };
         let shown = as_shown(&self.project, scenario);
-        let bare = compile::without_detail(&shown);
         let whole = scene(&shown);
         Questions {
-            surveyed: bare.map_or_else(|| Arc::clone(&whole), |bare| scene(&bare)),
+            surveyed: if whole.is_synthesised() {
+                scene(&compile::without_detail(&shown))
+            } else {
+                Arc::clone(&whole)
+            },
             scene: whole,
             planet: self.project.planet.body.figure(),
         }

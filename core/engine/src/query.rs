@@ -171,14 +171,21 @@ impl Questions {
         if data_m == height_m || (data_m.is_nan() && height_m.is_nan()) {
             return Ok(None);
         }
-        // Where sources fade into each other the coarser one says most.
-        let made_by = scene.graph.made_by(scene.roots.height, grid).into_iter();
-        let below_m = made_by
-            .filter_map(|node| scene.synthesised_below_m(node))
-            .fold(None, |most: Option<f64>, m| {
-                Some(most.map_or(m, |most| most.max(m)))
-            });
-        Ok(below_m.map(|below_m| (data_m, below_m)))
+        // The source on top that has heights there.
+        for node in scene
+            .graph
+            .made_by(scene.roots.height, grid)
+            .into_iter()
+            .rev()
+        {
+            let Some(below_m) = scene.synthesised_below_m(node) else {
+                continue;
+            };
+            if !scene.graph.evaluate(node, grid, cancel)?.samples()[0].is_nan() {
+                return Ok(Some((data_m, below_m)));
+            }
+        }
+        Ok(None)
     }
 
     /// Slope from central differences along two great circles that cross at the point, so that a

@@ -160,6 +160,11 @@ impl Scene {
             .unwrap_or(0)
     }
 
+    /// Whether any of it is made up beyond the data's own resolution.
+    pub(crate) fn is_synthesised(&self) -> bool {
+        self.details.iter().any(|d| d.synthesised_below_m.is_some())
+    }
+
     /// Below which wavelength, in metres, what a node gives is made up.
     pub(crate) fn synthesised_below_m(&self, node: NodeIndex) -> Option<f64> {
         let detail = self.details.iter().find(|d| d.node == node)?;

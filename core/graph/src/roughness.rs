@@ -8,10 +8,10 @@
 use core::ops::Range;
 
 /// Exponents that a fit can give: real ground lies between.
-pub const EXPONENTS: [f64; 2] = [0.4, 1.0];
+pub const EXPONENTS: [f64; 2] = [0.4, 1.2];
 
-/// What a fit tends to where heights say little: between the 0.5 of eroded and the 1 of smooth ground.
-const USUAL_EXPONENT: f64 = 0.8;
+/// What a fit tends to where heights say little: between the 0.6 of ranges and the 1.1 of slopes.
+const USUAL_EXPONENT: f64 = 0.9;
 
 /// How much the usual exponent counts: little beside octaves that were measured well, of which each counts about 0.5.
 const USUAL_WEIGHT: f64 = 0.08;
@@ -170,9 +170,13 @@ impl PowerLaw {
     }
 
     fn through(measured: &[Measured], ln_lacking: impl Fn(f64) -> f64) -> Option<Self> {
+        let lags_m = measured.iter().map(|m| m.lag_m);
+        let shortest_m = lags_m.fold(f64::INFINITY, f64::min);
         let points = measured.iter().filter(|m| m.energy_m2 > 0.0).map(|m| {
             let ln_whole = libm::log(m.energy_m2) + ln_lacking(m.lag_m);
-            let weight = m.independent / (m.independent + HALF_COUNT);
+            // What is finer still is likest the finest: ground is no power law over all scales.
+            let finest = (shortest_m / m.lag_m).sqrt();
+            let weight = finest * m.independent / (m.independent + HALF_COUNT);
             (libm::log(m.lag_m), 0.5 * ln_whole, weight)
         });
         let (mut weights, mut mean_x, mut mean_y) = (0.0, 0.0, 0.0);

@@ -36,7 +36,7 @@ impl Compiler<'_> {
         let mut continues_none = true;
         let mut all = Vec::new();
         for (i, layer) in layers.iter().enumerate() {
-            match layer.kind {
+            match &layer.kind {
                 LayerKind::Detail(_) => {
                     if continues_none {
                         self.left_out
@@ -182,4 +182,72 @@ fn stops() -> [Stop; 5] {
         height_m,
         rgba: [0.55, 0.2, 0.75, alpha],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use relievo_planet::{Grid, LevelKey, MapPoint, SampleRect};
+    use relievo_project::{Detail, DetailLayer, HeightLayer, Layer, LayerId, Source};
+    use relievo_raster::Cancel;
+
+    use crate::compile::{NodeCache, Wish, compile};
+    use crate::{Engine, EngineOptions};
+
+    use super::*;
+
+    /// Alphas of the colours over a project with heights and detail, some samples at a place of a level.
+    fn alphas(detail: Detail, synthesised: bool, level: LevelKey) -> Option<Vec<f32>> {
+        let source = Source::new("wasatch-dem.tif");
+        let heights = LayerKind::Height(HeightLayer::new(source));
+        let layer = |id: &str, kind| Layer::new(LayerId::from(id), id, kind);
+        let project = Project {
+            layers: vec![
+                layer("heights", heights),
+                layer("detail", LayerKind::Detail(DetailLayer { detail })),
+            ],
+            ..Project::default()
+        };
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects/data");
+        let options = EngineOptions {
+            threads: Some(1),
+            cache_folder: None,
+            ..EngineOptions::default()
+        };
+        let mut engine = Engine::new(project, &folder, options).unwrap();
+        engine.wait_for_sources();
+        let wish = Wish {
+            synthesised,
+            ..Wish::default()
+        };
+        let nodes = NodeCache::default();
+        let compiled = compile(engine.project(), &folder, engine.sources(), &nodes, &wish);
+        assert!(compiled.problems.is_empty() && compiled.left_out.is_empty());
+        let at = level.sample_from_map(MapPoint::from_degrees(-111.6, 40.3));
+        let first = at.floor().as_i64vec2();
+        let rect = SampleRect::at(first.x, first.y, 24, 24);
+        let grid = Grid::new(Arc::new(level.lattice()), rect);
+        let colours = compiled
+            .graph
+            .evaluate(compiled.roots.colour?, &grid, &Cancel::default());
+        Some(colours.unwrap().plane(3).to_vec())
+    }
+
+    #[test]
+    fn synthesised_ground_is_coloured_where_it_is_seen_and_wanted() {
+        let fine = LevelKey::new(15, 14);
+        assert_eq!(alphas(Detail::default(), false, fine), None);
+        let seen = alphas(Detail::default(), true, fine).unwrap();
+        assert!(seen.iter().all(|a| (0.2..0.9).contains(a)), "{seen:?}");
+        // A coarse level shows none of it, and ground above the range of heights gets none.
+        let coarse = alphas(Detail::default(), true, LevelKey::new(6, 5)).unwrap();
+        assert!(coarse.iter().all(|a| *a == 0.0));
+        let low = Detail {
+            highest_m: Some(0.0),
+            ..Detail::default()
+        };
+        let none = alphas(low, true, fine).unwrap();
+        assert!(none.iter().all(|a| *a == 0.0));
+    }
 }

@@ -426,7 +426,7 @@ const SIMPLEX_VARIANCE: f32 = 0.1538;
 /// ∫ g(x) x^(−2H−1) dx / ln 2 over the mean squared second difference g of one octave at a lag of x
 /// wavelengths, by the trapezium rule: of simplex noise from its correlation at 400,000 places, of
 /// plane waves of all directions 6 − 8 sin t / t + sin 2t / t with t = 2πx.
-const LN_GAINS: [[f64; 2]; 9] = [
+const LN_GAINS: [[f64; 2]; 11] = [
     [1.5899, 3.3770],
     [1.5849, 3.3297],
     [1.6464, 3.3491],
@@ -436,6 +436,8 @@ const LN_GAINS: [[f64; 2]; 9] = [
     [2.2827, 3.7893],
     [2.5125, 3.9634],
     [2.7679, 4.1608],
+    [3.0496, 4.3828],
+    [3.3599, 4.6320],
 ];
 
 fn ln_gain(exponent: f64, method: usize) -> f64 {

@@ -1,6 +1,6 @@
 //! How steep a patch is, cell by cell, and where it is level.
 
-use super::survey::NARROW;
+use super::survey::{MARGIN, NARROW, WIDE};
 
 /// Heights within this of each other are level, metres: water, and what interpolation rounds of it.
 const LEVEL_M: f32 = 0.002;
@@ -9,7 +9,7 @@ const LEVEL_M: f32 = 0.002;
 const SHORE: usize = 2;
 
 /// Samples left out along the sides of what is read.
-const RIM: usize = super::survey::WIDE;
+const RIM: usize = MARGIN - WIDE;
 
 /// Narrow cells of a patch and of a ring of wide cells around it.
 pub(super) struct Cells {

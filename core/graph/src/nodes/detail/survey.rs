@@ -20,11 +20,11 @@ pub(super) const NARROW: usize = 4;
 pub(super) const WIDE_CELLS: usize = TILE_SAMPLES as usize / WIDE;
 pub(super) const NARROW_CELLS: usize = TILE_SAMPLES as usize / NARROW;
 
-/// Lags in samples: from four, where interpolation between the data takes little, to the size of a cell.
-const LAGS: [usize; 4] = [4, 8, 16, 32];
+/// Lags in samples: from one or two of the data, where what they lack can still be told, to half a cell.
+const LAGS: [usize; 4] = [2, 4, 8, 16];
 
 /// Samples read around a patch: a ring of wide cells, and the longest lag around that.
-const MARGIN: usize = 2 * WIDE;
+pub(super) const MARGIN: usize = WIDE + 16;
 
 /// Side of what is read.
 const SIDE: usize = TILE_SAMPLES as usize + 2 * MARGIN;
