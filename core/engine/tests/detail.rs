@@ -65,9 +65,8 @@ fn a_place_says_that_its_height_is_synthesised_and_what_the_data_say() {
     let plain = questions(vec![file(WASATCH)]);
     let shown = questions(vec![file(WASATCH), detail(DetailMethod::Simplex)]);
     let mut differ = 0;
-    for (lon, lat) in [(-111.6, 40.3), (-111.55, 40.35), (-111.7, 40.42)] {
+    for (lon, lat) in [(-111.6, 40.3), (-111.62, 40.38), (-111.58, 40.42)] {
         let answer = shown.place(at(lon, lat), &cancel).unwrap();
-        eprintln!("{answer:?}");
         let below_m = answer.synthesised_below_m.unwrap();
         assert!(
             (below_m / (2.0 * SPACING_M) - 1.0).abs() < 0.01,

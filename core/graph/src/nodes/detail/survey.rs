@@ -15,7 +15,7 @@ use crate::{ContentId, IdHasher, RenderError};
 /// Samples along a side of a cell of roughness.
 pub(super) const WIDE: usize = 32;
 /// Samples along a side of a cell of steepness.
-pub(super) const NARROW: usize = 4;
+pub(super) const NARROW: usize = 2;
 /// Cells along a side of a patch.
 pub(super) const WIDE_CELLS: usize = TILE_SAMPLES as usize / WIDE;
 pub(super) const NARROW_CELLS: usize = TILE_SAMPLES as usize / NARROW;
