@@ -1,7 +1,8 @@
 //! Measurements on a revision: profiles, contours, sight, water, lengths and areas.
 //!
 //! All are asked of [`Questions`], on any thread, and evaluate the graph on grids of their own at the
-//! data's resolution, so no answer depends on what is on the screen.
+//! data's resolution, so no answer depends on what is on the screen. Detail beyond that resolution is
+//! synthesised and left out, as [`Questions::left_out_of_measures`] says.
 
 mod compare;
 mod difference;
@@ -113,8 +114,8 @@ impl Questions {
 
     fn ground<'a>(&'a self, task: &Task<'a>) -> SceneGround<'a> {
         SceneGround {
-            scene: &self.scene,
-            node: self.scene.roots.height,
+            scene: &self.surveyed,
+            node: self.surveyed.roots.height,
             planet: self.planet,
             cancel: task.cancel,
         }

@@ -5,6 +5,7 @@
 
 mod adjust;
 mod colours;
+mod detail;
 mod difference;
 mod heights;
 mod marks;
@@ -98,6 +99,8 @@ pub(crate) struct Wish<'a> {
     pub(crate) pinned: Option<&'a LayerId>,
     /// Colours over all others that say how the ground differs from that of another project.
     pub(crate) difference: Option<(&'a Project, HeightDifference)>,
+    /// Colours over all others where heights are synthesised.
+    pub(crate) synthesised: bool,
     /// What lies over all colours, the first at the bottom.
     pub(crate) marks: &'a [Mark],
 }
@@ -140,6 +143,11 @@ pub(crate) fn compile(
             compiler.difference(&shown, other, *difference, colours)
         }
         None => colours,
+    };
+    let colour = if wish.synthesised {
+        compiler.synthesised(project, colour)
+    } else {
+        colour
     };
     let colour = compiler.marks(wish.marks, colour);
     if let Some(root) = colour {
@@ -332,6 +340,14 @@ impl Compiler<'_> {
     }
 }
 
+/// The project as measurements see it: without detail beyond the data.
+pub(crate) fn without_detail(project: &Project) -> Project {
+    let mut bare = project.clone();
+    bare.layers
+        .retain(|layer| !matches!(layer.kind, LayerKind::Detail(_)));
+    bare
+}
+
 /// Why a layer of this kind cannot change any sample, if so.
 fn without_effect(kind: &LayerKind) -> Option<&'static str> {
     match kind {
@@ -340,6 +356,7 @@ fn without_effect(kind: &LayerKind) -> Option<&'static str> {
             let adds = noise.mode == NoiseMode::Add;
             (adds && noise.amplitude_m == 0.0 && noise.offset_m == 0.0).then_some("adds nothing")
         }
+        LayerKind::Detail(detail) => (detail.detail.strength == 0.0).then_some("adds nothing"),
         LayerKind::Slope(slope) => (slope.stops.iter().all(|s| s.opacity <= 0.0))
             .then_some("all of its colours are transparent"),
         LayerKind::Contours(lines) => {

@@ -73,6 +73,8 @@ pub struct Engine {
     /// The layer that is being edited: what lies below it is pinned.
     pinned: Option<LayerId>,
     difference: Option<(Option<ScenarioId>, HeightDifference)>,
+    /// Whether the ground is coloured where it is synthesised.
+    shows_synthesised: bool,
     /// What lies over the project's colours.
     marks: Vec<Mark>,
     revisions: u64,
@@ -162,6 +164,7 @@ impl Engine {
             messages: Messages::default(),
             pinned: None,
             difference: None,
+            shows_synthesised: false,
             marks: Vec::new(),
             revisions: 0,
             file_news: 0,
@@ -328,17 +331,22 @@ impl Engine {
 
     /// As [`Self::questions`], of a scenario that need not be shown; `None` is the base.
     pub fn questions_in(&self, scenario: Option<&ScenarioId>) -> Questions {
-        let compiled = compile::compile(
-            &as_shown(&self.project, scenario),
-            &self.folder,
-            &self.sources,
-            &self.nodes,
-            &compile::Wish::default(),
-        );
-        let planet = self.project.planet.body.figure();
+        let scene = |project: &Project| {
+            let wish = compile::Wish::default();
+            let compiled =
+                compile::compile(project, &self.folder, &self.sources, &self.nodes, &wish);
+            Arc::new(compiled.into_scene(0))
+        };
+        let shown = as_shown(&self.project, scenario);
+        let whole = scene(&shown);
         Questions {
-            scene: Arc::new(compiled.into_scene(0)),
-            planet,
+            surveyed: if whole.is_synthesised() {
+                scene(&compile::without_detail(&shown))
+            } else {
+                Arc::clone(&whole)
+            },
+            scene: whole,
+            planet: self.project.planet.body.figure(),
         }
     }
 

@@ -20,6 +20,12 @@ pub struct PlaceAnswer {
     pub lat_deg: f64,
     /// Height in metres above the datum, without exaggeration.
     pub height_m: f64,
+    /// Height by the data alone, where detail beyond their resolution changes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub data_height_m: Option<f64>,
+    /// There: wavelengths below this, in metres, are synthesised.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub synthesised_below_m: Option<f64>,
     /// Straight red, green, blue and alpha as 8-bit sRGB; `None` where the project has no colour.
     pub colour: Option<[u8; 4]>,
     /// Slope of the ground in degrees.
@@ -71,6 +77,8 @@ fn name_of(part: Part) -> &'static str {
 #[derive(Clone)]
 pub struct Questions {
     pub(crate) scene: Arc<Scene>,
+    /// The same without synthesised detail: what is measured.
+    pub(crate) surveyed: Arc<Scene>,
     pub(crate) planet: Planet,
 }
 
@@ -88,6 +96,7 @@ impl Questions {
             scene.graph.evaluate(node, &grid, cancel)
         };
         let height_m = f64::from(ask(scene.roots.height)?.samples()[0]);
+        let detail = self.detail(height_m, &grid, cancel)?;
         let colour = match scene.roots.colour {
             Some(node) => {
                 let c = ask(node)?;
@@ -118,12 +127,65 @@ impl Questions {
             lon_deg,
             lat_deg,
             height_m,
+            data_height_m: detail.map(|(data_m, _)| data_m),
+            synthesised_below_m: detail.map(|(_, below_m)| below_m),
             colour,
             slope_deg,
             height_made_by,
             colour_made_by,
             spacing_m: step_rad * self.planet.radius_m,
         })
+    }
+
+    /// The same project without detail beyond the data's own resolution, as measurements see it: for files
+    /// that are to hold nothing made up.
+    #[must_use]
+    pub fn without_detail(&self) -> Self {
+        Self {
+            scene: Arc::clone(&self.surveyed),
+            ..self.clone()
+        }
+    }
+
+    /// What measurements leave out of the shown ground, in a sentence; `None` if they leave out nothing.
+    pub fn left_out_of_measures(&self) -> Option<&'static str> {
+        (!Arc::ptr_eq(&self.scene, &self.surveyed))
+            .then_some("Detail beyond the data's own resolution is left out of all measures.")
+    }
+
+    /// The data's own height where detail changes it, and the wavelength below which that is made up.
+    fn detail(
+        &self,
+        height_m: f64,
+        grid: &Grid,
+        cancel: &Cancel,
+    ) -> Result<Option<(f64, f64)>, RenderError> {
+        let (scene, surveyed) = (&self.scene, &self.surveyed);
+        if Arc::ptr_eq(scene, surveyed) {
+            return Ok(None);
+        }
+        let data = surveyed
+            .graph
+            .evaluate(surveyed.roots.height, grid, cancel)?;
+        let data_m = f64::from(data.samples()[0]);
+        if data_m == height_m || (data_m.is_nan() && height_m.is_nan()) {
+            return Ok(None);
+        }
+        // The source on top that has heights there.
+        for node in scene
+            .graph
+            .made_by(scene.roots.height, grid)
+            .into_iter()
+            .rev()
+        {
+            let Some(below_m) = scene.synthesised_below_m(node) else {
+                continue;
+            };
+            if !scene.graph.evaluate(node, grid, cancel)?.samples()[0].is_nan() {
+                return Ok(Some((data_m, below_m)));
+            }
+        }
+        Ok(None)
     }
 
     /// Slope from central differences along two great circles that cross at the point, so that a

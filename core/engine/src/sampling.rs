@@ -44,7 +44,8 @@ impl Questions {
             .nodes()
             .filter(|n| self.scene.layers.get(n) == Some(layer));
         let first = own.next()?;
-        let last = own.last()?;
+        // What continues other layers is one node for each of them.
+        let last = own.last().unwrap_or(first);
         match stage {
             Stage::Source => Some(first),
             Stage::Adjusted => graph.inputs(last).get(1).copied(),

@@ -57,6 +57,8 @@ pub(crate) struct Detail {
     pub(crate) finest: u8,
     /// Where these elements act only; elsewhere the node hands something coarser through.
     pub(crate) within: Option<Arc<Earthwork>>,
+    /// Wavelengths below this are made up by the node, metres.
+    pub(crate) synthesised_below_m: Option<f64>,
 }
 
 impl Detail {
@@ -66,6 +68,7 @@ impl Detail {
             node,
             finest,
             within: None,
+            synthesised_below_m: None,
         }
     }
 }
@@ -155,6 +158,17 @@ impl Scene {
                 fine.any(|d| decides(d.node))
             })
             .unwrap_or(0)
+    }
+
+    /// Whether any of it is made up beyond the data's own resolution.
+    pub(crate) fn is_synthesised(&self) -> bool {
+        self.details.iter().any(|d| d.synthesised_below_m.is_some())
+    }
+
+    /// Below which wavelength, in metres, what a node gives is made up.
+    pub(crate) fn synthesised_below_m(&self, node: NodeIndex) -> Option<f64> {
+        let detail = self.details.iter().find(|d| d.node == node)?;
+        detail.synthesised_below_m
     }
 
     /// The cut point behind a clipmap.

@@ -415,6 +415,7 @@ fn request_of(kind: &LayerKind, folder: &Path) -> Option<Request> {
             (&l.source, Bands::Height, chosen, Stretch::Auto)
         }
         LayerKind::Noise(_)
+        | LayerKind::Detail(_)
         | LayerKind::Tint(_)
         | LayerKind::Slope(_)
         | LayerKind::Contours(_)

@@ -11,6 +11,7 @@ pub mod id;
 pub mod node;
 pub mod nodes;
 pub mod places;
+pub mod roughness;
 
 pub use graph::{Artefacts, Graph, GraphBuilder, NodeIndex, TileInputs};
 pub use id::{ContentId, IdHasher};

@@ -213,6 +213,7 @@ impl Project {
                     LayerKind::Imagery(_)
                     | LayerKind::Height(_)
                     | LayerKind::Noise(_)
+                    | LayerKind::Detail(_)
                     | LayerKind::Tint(_)
                     | LayerKind::Slope(_)
                     | LayerKind::Contours(_)
@@ -280,6 +281,14 @@ impl Project {
                 };
                 let noise = mem::replace(&mut slot.noise, noise);
                 Edit::SetNoise { id, noise }
+            }
+            Edit::SetDetail { id, detail } => {
+                let layer = self.layer_mut(&id)?;
+                let LayerKind::Detail(slot) = &mut layer.kind else {
+                    return Err(wrong_kind(layer, "detail", "a detail layer"));
+                };
+                let detail = mem::replace(&mut slot.detail, detail);
+                Edit::SetDetail { id, detail }
             }
             Edit::SetTint { id, tint } => {
                 let layer = self.layer_mut(&id)?;
@@ -503,6 +512,7 @@ impl Project {
                 mem::replace(&mut height.band, band).map(|band| vec![band])
             }
             LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Tint(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
@@ -530,6 +540,7 @@ impl Project {
             LayerKind::Imagery(imagery) => Ok(&mut imagery.source),
             LayerKind::Height(height) => Ok(&mut height.source),
             kind @ (LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Tint(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
@@ -552,6 +563,7 @@ impl Project {
             LayerKind::Contours(contours) => Ok(&mut contours.blend),
             kind @ (LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Vector(_)
             | LayerKind::Unknown { .. }) => Err(EditError::WrongKind {
                 id: id.0.clone(),
@@ -583,6 +595,7 @@ impl Project {
             LayerKind::Tint(tint) => Ok(&mut tint.adjust),
             kind @ (LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
             | LayerKind::Vector(_)

@@ -3,10 +3,7 @@
 use std::sync::Arc;
 
 use crate::{
-    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Date, Dated, Element,
-    ElementId, ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Mask,
-    Noise, PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun,
-    TileRows, Tint, VectorStyle,
+    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Date, Dated, Detail, Element, ElementId, ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Mask, Noise, PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun, TileRows, Tint, VectorStyle,
 };
 
 /// One change of a project. Values replace the old ones as a whole.
@@ -169,6 +166,13 @@ pub enum Edit {
         id: LayerId,
         /// All parameters.
         noise: Noise,
+    },
+    /// Changes a detail layer.
+    SetDetail {
+        /// Which.
+        id: LayerId,
+        /// All parameters.
+        detail: Detail,
     },
     /// Changes a tint layer's colours.
     SetTint {
@@ -481,7 +485,7 @@ pub enum Aspect {
     EdgeFade,
     /// Its vertical scale and offset.
     HeightScale,
-    /// Its noise.
+    /// Its noise, or the detail that it adds.
     Noise,
     /// Its tint.
     Tint,

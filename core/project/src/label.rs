@@ -30,6 +30,7 @@ impl Edit {
             | Self::SetBands { id, .. }
             | Self::SetHeightScale { id, .. }
             | Self::SetNoise { id, .. }
+            | Self::SetDetail { id, .. }
             | Self::SetTint { id, .. }
             | Self::SetSlope { id, .. }
             | Self::SetContours { id, .. }
@@ -70,7 +71,7 @@ impl Edit {
             | Self::SetBands { .. }
             | Self::SetVectorSource { .. } => Aspect::Source,
             Self::SetHeightScale { .. } => Aspect::HeightScale,
-            Self::SetNoise { .. } => Aspect::Noise,
+            Self::SetNoise { .. } | Self::SetDetail { .. } => Aspect::Noise,
             Self::SetTint { .. } => Aspect::Tint,
             Self::SetVectorStyle { .. } | Self::SetSlope { .. } | Self::SetContours { .. } => {
                 Aspect::Style
@@ -151,6 +152,7 @@ impl Edit {
             Self::SetBands { .. } => "Bands of",
             Self::SetHeightScale { .. } => "Height scale of",
             Self::SetNoise { .. } => "Noise of",
+            Self::SetDetail { .. } => "Detail of",
             Self::SetTint { .. } | Self::SetSlope { .. } => "Colours of",
             Self::SetVectorStyle { .. } | Self::SetContours { .. } => "Style of",
             Self::SetVectorSource { .. } => "Source of",
@@ -254,11 +256,16 @@ fn own_vertices(element: &Element, project: &Project) -> usize {
 
 /// Which adjustment differs from the project's, where it is one.
 fn adjusted(project: &Project, id: &LayerId, new: &crate::Adjust) -> &'static str {
-    use crate::LayerKind::{Contours, Height, Imagery, Noise, Slope, Tint, Unknown, Vector};
+    use crate::LayerKind::{
+        Contours, Detail, Height, Imagery, Noise, Slope, Tint, Unknown, Vector,
+    };
     let old = match project.layer(id).map(|layer| &layer.kind) {
         Some(Imagery(imagery)) => &imagery.adjust,
         Some(Tint(tint)) => &tint.adjust,
-        Some(Height(_) | Noise(_) | Slope(_) | Contours(_) | Vector(_) | Unknown { .. }) | None => {
+        Some(
+            Height(_) | Noise(_) | Detail(_) | Slope(_) | Contours(_) | Vector(_) | Unknown { .. },
+        )
+        | None => {
             return "Adjustment of";
         }
     };

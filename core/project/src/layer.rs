@@ -1,7 +1,7 @@
 //! Layers of the runtime document.
 
 use crate::{
-    Adjust, ContoursLayer, Dated, Extra, LayerId, Mask, SlopeLayer, TintLayer, VectorLayer,
+    Adjust, ContoursLayer, Dated, DetailLayer, Extra, LayerId, Mask, SlopeLayer, TintLayer, VectorLayer,
 };
 
 /// One layer of the stack.
@@ -49,6 +49,7 @@ impl Layer {
             LayerKind::Imagery(imagery) => Some(&imagery.source),
             LayerKind::Height(height) => Some(&height.source),
             LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Tint(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
@@ -64,6 +65,7 @@ impl Layer {
             LayerKind::Imagery(_)
             | LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Tint(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
@@ -85,6 +87,8 @@ pub enum LayerKind {
     Height(HeightLayer),
     /// Heights from fractal noise.
     Noise(NoiseLayer),
+    /// Heights of the layers below, continued beyond their own resolution.
+    Detail(DetailLayer),
     /// Colours from the heights of the shown ground.
     Tint(TintLayer),
     /// Colours from the steepness of the shown ground.
@@ -104,16 +108,17 @@ impl LayerKind {
     /// Whether a layer of this kind can show in a part of the map only: whether it has colours. Kinds
     /// that are not known may.
     pub fn may_be_masked(&self) -> bool {
-        !matches!(self, Self::Height(_) | Self::Noise(_))
+        !matches!(self, Self::Height(_) | Self::Noise(_) | Self::Detail(_))
     }
 
-    /// The kind's name in the file: `imagery`, `height`, `noise`, `tint`, `slope`, `contours`,
-    /// `vector` or the unknown name.
+    /// The kind's name in the file: `imagery`, `height`, `noise`, `detail`, `tint`, `slope`,
+    /// `contours`, `vector` or the unknown name.
     pub fn name(&self) -> &str {
         match self {
             Self::Imagery(_) => "imagery",
             Self::Height(_) => "height",
             Self::Noise(_) => "noise",
+            Self::Detail(_) => "detail",
             Self::Tint(_) => "tint",
             Self::Slope(_) => "slope",
             Self::Contours(_) => "contours",

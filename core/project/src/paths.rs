@@ -97,6 +97,7 @@ fn rebase_kind(kind: &mut LayerKind, from: &Path, to: &Path) {
         LayerKind::Height(height) => height.source.path = rebase(&height.source.path, from, to),
         LayerKind::Vector(vector) => vector.path = rebase(&vector.path, from, to),
         LayerKind::Noise(_)
+        | LayerKind::Detail(_)
         | LayerKind::Tint(_)
         | LayerKind::Slope(_)
         | LayerKind::Contours(_)

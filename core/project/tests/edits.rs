@@ -7,10 +7,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use relievo_project::{
     Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ClearColour, ContoursLayer, CurvePoint,
-    Dated, Edit, Extra, Georeference, HeightEncoding, HeightLayer, History, ImageryLayer, Layer,
-    LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer, PlanetSettings, Project, Quality,
-    Resampling, SlopeLayer, SlopeStop, Source, Stretch, Sun, TileRows, Tint, TintInterpolation,
-    TintStop, ToneCurves, parse_date,
+    Dated, Detail, DetailLayer, DetailMethod, Edit, Extra, Georeference, HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source, Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop, ToneCurves, parse_date,
 };
 
 const EVERYTHING: &str = include_str!("data/everything.relievo");
@@ -37,6 +34,7 @@ fn id() -> impl Strategy<Value = LayerId> {
         "roads",
         "steep",
         "lines",
+        "finer",
         "new-1",
         "new-2",
     ])
@@ -49,6 +47,9 @@ fn layer() -> impl Strategy<Value = Layer> {
         Just(LayerKind::Height(HeightLayer::new(Source::new("../y.tif")))),
         Just(LayerKind::Noise(NoiseLayer {
             noise: Noise::default()
+        })),
+        Just(LayerKind::Detail(DetailLayer {
+            detail: Detail::default()
         })),
         Just(LayerKind::Unknown {
             kind: "planning".into()
@@ -154,6 +155,15 @@ fn edit() -> impl Strategy<Value = Edit> {
             id,
             vertical_scale: x,
             offset_m: x
+        }),
+        (id(), value.clone()).prop_map(|(id, slope)| Edit::SetDetail {
+            id,
+            detail: Detail {
+                slope,
+                method: DetailMethod::Spectral,
+                highest_m: Some(slope),
+                ..Detail::default()
+            }
         }),
         (id(), value.clone()).prop_map(|(id, gain)| Edit::SetNoise {
             id,

@@ -161,6 +161,10 @@ fn wrong_values_are_named() {
             "/layers/0/stops/1/height_m",
         ),
         (
+            with_layer(&json!({ "id": "a", "kind": "detail", "lowest_m": 100, "highest_m": 100 })),
+            "/layers/0/highest_m: expected more than lowest_m, 100",
+        ),
+        (
             json!({ "version": 1, "layers": [{ "id": "a", "kind": "x" }, { "id": "a", "kind": "x" }] }),
             "/layers/1/id",
         ),

@@ -2,8 +2,8 @@
 //!
 //! Going from the first version to the second, changes are made one after the other in the order of the
 //! second version's list, what is taken away where it stood. An element's row is what its own step
-//! changes, so the net volumes of all rows add up to the total's. Noise that is added to other heights is
-//! left out: it is no survey.
+//! changes, so the net volumes of all rows add up to the total's. Noise that is added to other heights, and
+//! detail beyond the data, are left out: they are no survey.
 
 mod notes;
 mod pair;
@@ -66,8 +66,8 @@ pub struct ComparisonReport {
 pub struct Comparison {
     names: [String; 2],
     pub(super) planet: Planet,
-    /// Heights of both versions without noise, and all steps between.
-    measured: [Arc<Scene>; 2],
+    /// Heights of both versions without noise and detail, and all steps between.
+    pub(super) measured: [Arc<Scene>; 2],
     /// Both versions with all they have.
     pub(super) shown: [Arc<Scene>; 2],
     /// Both versions' ground alone, whose fineness is the data's.

@@ -40,6 +40,7 @@ impl Comparison {
         };
         let [a, b] = [0, 1].map(|version| Questions {
             scene: Arc::clone(&self.shown[version]),
+            surveyed: Arc::clone(&self.measured[version]),
             planet: self.planet,
         });
         let (before, after) = (a.plan(&bake)?, b.plan(&bake)?);

@@ -186,7 +186,10 @@ impl Compiler<'_> {
                 self.details.push(Detail::everywhere(top, finest));
                 Some((top, Blend::Normal))
             }
-            LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Unknown { .. } => None,
+            LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
+            | LayerKind::Unknown { .. } => None,
         }
     }
 

@@ -58,6 +58,10 @@ impl Compiler<'_> {
 fn heights(project: &Project) -> impl Iterator<Item = &Layer> {
     let layers = project.layers.iter();
     layers.filter(|l| {
-        matches!(l.kind, LayerKind::Height(_) | LayerKind::Noise(_)) && l.visible && l.opacity > 0.0
+        let gives = matches!(
+            l.kind,
+            LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Detail(_)
+        );
+        gives && l.visible && l.opacity > 0.0
     })
 }

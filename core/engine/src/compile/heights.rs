@@ -15,12 +15,8 @@ impl Compiler<'_> {
     pub(super) fn heights(&mut self, project: &Project) -> NodeIndex {
         // Where no source has a height the ground is at the datum, so that there is no hole in it.
         let mut below = self.builder.add(Arc::new(Constant::height(0.0)), &[]);
-        for layer in &project.layers {
-            let is_height = matches!(layer.kind, LayerKind::Height(_) | LayerKind::Noise(_));
-            if !is_height || !self.takes_part(project, layer) {
-                continue;
-            }
-            if let Some(over) = self.height_layer(layer, below) {
+        for (layer, detail) in self.height_layers(project) {
+            if let Some(over) = self.height_layer(layer, detail, below) {
                 below = over;
             }
         }
@@ -56,6 +52,7 @@ impl Compiler<'_> {
                 node: planned,
                 finest: level_of_step(detail_m / self.planet.radius_m),
                 within: Some(Arc::clone(&node)),
+                synthesised_below_m: None,
             });
         }
         let elements = Elements {
@@ -65,17 +62,23 @@ impl Compiler<'_> {
         (planned, elements)
     }
 
-    fn height_layer(&mut self, layer: &Layer, below: NodeIndex) -> Option<NodeIndex> {
+    fn height_layer(
+        &mut self,
+        layer: &Layer,
+        detail: Option<&Layer>,
+        below: NodeIndex,
+    ) -> Option<NodeIndex> {
         let opacity = layer.opacity as f32;
         match &layer.kind {
             LayerKind::Height(height) => {
                 let file = self.open(layer)?;
-                let finest =
-                    level_of_step(self.warp(layer, &file, &height.source)?.finest_step_rad());
+                let step_rad = self.warp(layer, &file, &height.source)?.finest_step_rad();
+                let finest = level_of_step(step_rad);
                 let (scale, offset) = (height.vertical_scale, height.offset_m);
                 let top = self.file_node(layer, &file, &height.source, (scale, offset))?;
                 self.builder.cut(top, SampleType::Height);
                 self.details.push(Detail::everywhere(top, finest));
+                let top = self.continued(detail, top, step_rad * self.planet.radius_m);
                 let inputs = self.with_fade(layer, &file, &height.source, below, top)?;
                 let masked = inputs.len() == 3;
                 Some(self.add(
@@ -127,7 +130,8 @@ impl Compiler<'_> {
                     NoiseMode::Add => self.add(layer, Arc::new(AddHeights), &[below, top]),
                 })
             }
-            LayerKind::Imagery(_)
+            LayerKind::Detail(_)
+            | LayerKind::Imagery(_)
             | LayerKind::Tint(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)

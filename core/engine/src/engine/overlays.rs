@@ -19,6 +19,15 @@ impl Engine {
         }
     }
 
+    /// Colours the ground where detail beyond the data's own resolution is seen, the stronger the higher it
+    /// is. No part of the project.
+    pub fn show_synthesised(&mut self, shows: bool) {
+        if self.shows_synthesised != shows {
+            self.shows_synthesised = shows;
+            self.stale = true;
+        }
+    }
+
     /// Shows marks over the project's colours, the first at the bottom, in place of those before.
     pub fn set_marks(&mut self, marks: Vec<Mark>) {
         let same = |(a, b): (&Mark, &Mark)| Arc::ptr_eq(&a.node, &b.node);

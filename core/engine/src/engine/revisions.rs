@@ -35,6 +35,7 @@ impl Engine {
         let wish = compile::Wish {
             pinned: self.pinned.as_ref(),
             difference: compared.as_ref().map(|(other, by)| (&**other, *by)),
+            synthesised: self.shows_synthesised,
             marks: &self.marks,
         };
         let compiled = compile::compile(

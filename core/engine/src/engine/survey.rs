@@ -94,6 +94,7 @@ impl Engine {
                 let planet = self.project.planet.body.figure();
                 let questions = Questions {
                     scene: Arc::clone(&scene),
+                    surveyed: Arc::clone(&scene),
                     planet,
                 };
                 let wake = self.wake.clone().unwrap_or_else(|| Arc::new(|| {}));

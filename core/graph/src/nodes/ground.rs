@@ -44,6 +44,11 @@ impl<'a> Ground<'a> {
         }
     }
 
+    /// Size of a sample in radians, where the plane is the map.
+    pub(crate) fn map_step(&self) -> Option<DVec2> {
+        self.crs.is_none().then_some(self.lattice.step)
+    }
+
     /// Metres east and north on the ellipsoid from a sample to the next column, and to the next
     /// row, averaged over both sides; `None` where the plane shows no place.
     pub(crate) fn steps_m(&self, planet: &Planet, sample: I64Vec2) -> Option<[DVec2; 2]> {

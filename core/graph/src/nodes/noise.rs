@@ -11,7 +11,7 @@ use super::ground::Ground;
 use super::lanes::{LANES, Lanes};
 use super::memory::add_grid;
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
-use simplex::simplex;
+pub(super) use simplex::simplex;
 
 const KIND: &str = "noise";
 
@@ -56,7 +56,7 @@ impl Octave {
 }
 
 /// Scrambles all bits (the finaliser of SplitMix64, G. Steele and others, 2014).
-fn scrambled(seed: u64) -> u64 {
+pub(super) fn scrambled(seed: u64) -> u64 {
     let h = (seed ^ (seed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     h ^ (h >> 31)

@@ -9,14 +9,14 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use relievo_graph::nodes::{
-    AddHeights, BlendMode, Constant, Memory, Noise, Normals, Overlay, OverlayHeights,
+    AddHeights, BlendMode, Constant, DetailMethod, Memory, Noise, Normals, Overlay, OverlayHeights,
 };
 use relievo_graph::{ContentId, Graph, GraphBuilder, IdHasher, ImageNode as _, Job, NodeIndex};
 use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
 use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
 use relievo_vector::style::Length;
 
-use crate::registry::{Entry, adjust, memory, noise_params, registry, tint, vector};
+use crate::registry::{Entry, adjust, detail, memory, noise_params, registry, tint, vector};
 
 /// Valid samples of every kind, holes among them, from a place's hash.
 fn sample(bands: Bands, hash: u64) -> [f32; 4] {
@@ -262,6 +262,8 @@ fn every_node() -> (Graph, Vec<NodeIndex>) {
     let sum = b.add(Arc::new(AddHeights), &[base, ridges]);
     let other = b.add(Arc::new(Constant::height(100.0)), &[]);
     let heights = b.add(Arc::new(OverlayHeights::new(0.25, false)), &[sum, other]);
+    b.cut(heights, SampleType::Height);
+    let heights = b.add(detail(DetailMethod::Simplex), &[heights]);
     b.cut(heights, SampleType::Height);
     let normals = b.add(Arc::new(Normals::new(Planet::EARTH, 40.0)), &[heights]);
     b.cut(normals, SampleType::Normal);

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use relievo_earthwork::{Element, Prepared, Profile, Section, Shape, Side, Surface, Vertex};
 use relievo_graph::ImageNode;
 use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, Constant, ContourLines, ContourStyle,
-    DiscMask, Earthwork, HeightDifference, MaskProduct, Memory, Noise, NoiseParams, Normals,
-    Overlay, OverlayHeights, PlacedElement, RangeMask, SlopeAngle, Stop, Tint, Vector,
+    AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, Constant, ContourLines, ContourStyle, Detail, DetailMethod, DetailParams, DiscMask, Earthwork, HeightDifference, MaskProduct, Memory, Noise, NoiseParams, Normals, Overlay, OverlayHeights, PlacedElement, RangeMask, SlopeAngle, Stop, Tint, Vector,
 };
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
@@ -96,6 +94,21 @@ pub(crate) fn vector(width: Length) -> Arc<Vector> {
     };
     let drawing = Drawing::new(Arc::new(features), style, Planet::EARTH);
     Arc::new(Vector::new(Arc::new(drawing)))
+}
+
+/// Detail of a source whose samples are as large as those of a coarse level.
+pub(crate) fn detail(method: DetailMethod) -> Arc<Detail> {
+    let params = DetailParams {
+        seed: 3,
+        strength: 1.0,
+        method,
+        slope: 0.5,
+        heights_m: [-500.0, 5000.0],
+        fade_m: 100.0,
+        shortest_m: 1000.0,
+        spacing_m: 40_000.0,
+    };
+    Arc::new(Detail::new(Planet::EARTH, &params))
 }
 
 /// A platform as large as a continent, and a road finer than the samples.
@@ -191,6 +204,13 @@ fn of_heights() -> Vec<Entry> {
         entry(
             "normals",
             Arc::new(Normals::new(Planet::EARTH, 1.0)),
+            HEIGHT,
+        ),
+        entry("detail", detail(DetailMethod::Simplex), HEIGHT),
+        entry("spectral detail", detail(DetailMethod::Spectral), HEIGHT),
+        entry(
+            "amount of detail",
+            Arc::new((*detail(DetailMethod::Simplex)).clone().amount()),
             HEIGHT,
         ),
         entry("earthwork", earthwork(500.0), HEIGHT),

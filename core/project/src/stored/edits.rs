@@ -139,6 +139,8 @@ stored_edits! {
     }
     /// Replaces a noise layer's parameters.
     SetNoise = "set_noise" { id: String, noise: With<v1::Noise>, }
+    /// Replaces a detail layer's parameters.
+    SetDetail = "set_detail" { id: String, detail: With<v1::Detail>, }
     /// Replaces a tint layer's colours.
     SetTint = "set_tint" {
         id: String,

@@ -285,7 +285,7 @@ fields! {
         /// What people call it; the id where left out.
         #[schemars(length(max = range::LONGEST_NAME))]
         name: Option<String>,
-        /// `imagery`, `height`, `noise`, `tint`, `slope`, `contours`, `vector`; layers of other kinds are kept and have no effect.
+        /// `imagery`, `height`, `noise`, `detail`, `tint`, `slope`, `contours`, `vector`; layers of other kinds are kept and have no effect.
         kind: String,
         /// Whether the layer takes part; true where left out.
         visible: Option<bool>,
@@ -471,6 +471,38 @@ names! {
     }
 }
 
+fields! {
+    /// Heights of the layers below, continued beyond their own resolution by the power law that they follow.
+    Detail {
+        /// Chooses the pattern; 0 where left out.
+        seed: Option<u32>,
+        /// Factor on the heights that are added; 1 where left out.
+        strength: Option<f64> = range::FACTOR,
+        /// How octaves are made; simplex where left out.
+        method: Option<DetailMethod>,
+        /// How much steeper ground is rougher; 0.5 where left out.
+        slope: Option<f64> = range::SHARE,
+        /// Lowest ground in metres that gets detail; any where left out.
+        lowest_m: Option<f64> = range::HEIGHT_M,
+        /// Highest ground in metres that gets detail, above `lowest_m`; any where left out.
+        highest_m: Option<f64> = range::HEIGHT_M,
+        /// Metres of height within these bounds over which it fades in; 50 where left out.
+        fade_m: Option<f64> = range::EDGE_FADE_M,
+        /// Shortest wavelength in metres; 1 where left out.
+        shortest_m: Option<f64> = range::WAVELENGTH_M,
+    }
+}
+
+names! {
+    /// How octaves of detail are made.
+    DetailMethod for crate::DetailMethod {
+        /// 3-D simplex noise.
+        Simplex = "simplex",
+        /// Sums of waves of all lengths.
+        Spectral = "spectral",
+    }
+}
+
 names! {
     /// How noise meets the heights below.
     NoiseMode for crate::NoiseMode {
@@ -501,6 +533,8 @@ pub(crate) enum LayerKind {
     Height(Height),
     /// `noise`.
     Noise(Noise),
+    /// `detail`.
+    Detail(Detail),
     /// `tint`.
     Tint(Box<Tint>),
     /// `slope`.
@@ -514,8 +548,8 @@ pub(crate) enum LayerKind {
 }
 
 /// Kinds of layers that this version knows.
-pub(crate) const KINDS: [&str; 7] = [
-    "imagery", "height", "noise", "tint", "slope", "contours", "vector",
+pub(crate) const KINDS: [&str; 8] = [
+    "imagery", "height", "noise", "detail", "tint", "slope", "contours", "vector",
 ];
 
 impl Stored for Layer {
@@ -526,6 +560,7 @@ impl Stored for Layer {
             "imagery" => LayerKind::Imagery(Box::new(Imagery::take(&mut map, at)?)),
             "height" => LayerKind::Height(Height::take(&mut map, at)?),
             "noise" => LayerKind::Noise(Noise::take(&mut map, at)?),
+            "detail" => LayerKind::Detail(Detail::take(&mut map, at)?),
             "tint" => LayerKind::Tint(Box::new(Tint::take(&mut map, at)?)),
             "slope" => LayerKind::Slope(Slope::take(&mut map, at)?),
             "contours" => LayerKind::Contours(Contours::take(&mut map, at)?),
@@ -547,6 +582,7 @@ impl Stored for Layer {
             LayerKind::Imagery(imagery) => put(imagery.as_ref(), &mut map),
             LayerKind::Height(height) => put(height, &mut map),
             LayerKind::Noise(noise) => put(noise, &mut map),
+            LayerKind::Detail(detail) => put(detail, &mut map),
             LayerKind::Tint(tint) => put(&**tint, &mut map),
             LayerKind::Slope(slope) => put(slope, &mut map),
             LayerKind::Contours(contours) => put(contours, &mut map),
@@ -575,6 +611,7 @@ impl JsonSchema for Layer {
             generator.subschema_for::<Imagery>(),
             generator.subschema_for::<Height>(),
             generator.subschema_for::<Noise>(),
+            generator.subschema_for::<Detail>(),
             generator.subschema_for::<Tint>(),
             generator.subschema_for::<Slope>(),
             generator.subschema_for::<Contours>(),

@@ -69,6 +69,11 @@ pub(super) fn of_grounds(
     if project.layers.iter().any(is_added_noise) {
         notes.push("Noise that is added to other heights is left out of all measures.".to_owned());
     }
+    if project.layers.iter().any(is_detail) {
+        notes.push(
+            "Detail beyond the data's own resolution is left out of all measures.".to_owned(),
+        );
+    }
     notes
 }
 
@@ -89,7 +94,15 @@ pub(super) fn same_ground(before: &Element, after: &Element) -> bool {
 }
 
 fn gives_heights(layer: &Layer) -> bool {
-    matches!(layer.kind, LayerKind::Height(_) | LayerKind::Noise(_))
+    matches!(
+        layer.kind,
+        LayerKind::Height(_) | LayerKind::Noise(_) | LayerKind::Detail(_)
+    )
+}
+
+/// Whether a layer adds detail that is seen.
+fn is_detail(layer: &Layer) -> bool {
+    layer.visible && matches!(layer.kind, LayerKind::Detail(_))
 }
 
 /// Names in one line.

@@ -33,7 +33,12 @@ struct Place {
 /// falloff radius is √½ instead of √0.6, which keeps it continuous across simplices, and corners
 /// are hashed as integers instead of through a permutation table, so nothing repeats.
 #[inline(always)]
-pub(super) fn simplex(unit: &[[f64; LANES]; 3], scale: f64, seed: u32, noise: &mut Lanes) {
+pub(in crate::nodes) fn simplex(
+    unit: &[[f64; LANES]; 3],
+    scale: f64,
+    seed: u32,
+    noise: &mut Lanes,
+) {
     let mut cell = [[0_u32; LANES]; 3];
     let mut from_corner = [[0.0_f32; LANES]; 3];
     for l in 0..LANES {

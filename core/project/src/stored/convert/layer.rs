@@ -7,9 +7,7 @@ use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
 use crate::stored::{range, v1};
 use crate::{
-    Adjust, Blend, ContoursLayer, Dated, Extent, Georeference, HeightLayer, ImageryLayer, Layer,
-    LayerId, LayerKind, Mask, Noise, NoiseLayer, Resampling, SlopeLayer, Source, Stretch,
-    TintLayer, VectorLayer,
+    Adjust, Blend, ContoursLayer, Dated, Detail, DetailLayer, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Mask, Noise, NoiseLayer, Resampling, SlopeLayer, Source, Stretch, TintLayer, VectorLayer,
 };
 
 /// A valid id.
@@ -68,6 +66,9 @@ impl Twin for Layer {
             v1::LayerKind::Noise(noise) => LayerKind::Noise(NoiseLayer {
                 noise: Noise::from_stored(noise, at)?,
             }),
+            v1::LayerKind::Detail(detail) => LayerKind::Detail(DetailLayer {
+                detail: Detail::from_stored(detail, at)?,
+            }),
             v1::LayerKind::Tint(tint) => LayerKind::Tint(TintLayer::from_stored(*tint, at)?),
             v1::LayerKind::Slope(slope) => LayerKind::Slope(SlopeLayer::from_stored(slope, at)?),
             v1::LayerKind::Contours(contours) => {
@@ -112,6 +113,7 @@ impl Twin for Layer {
                 }
                 LayerKind::Height(height) => v1::LayerKind::Height(height.to_stored()),
                 LayerKind::Noise(noise) => v1::LayerKind::Noise(noise.noise.to_stored()),
+                LayerKind::Detail(detail) => v1::LayerKind::Detail(detail.detail.to_stored()),
                 LayerKind::Tint(tint) => v1::LayerKind::Tint(Box::new(tint.to_stored())),
                 LayerKind::Slope(slope) => v1::LayerKind::Slope(slope.to_stored()),
                 LayerKind::Contours(contours) => v1::LayerKind::Contours(contours.to_stored()),
@@ -257,6 +259,44 @@ impl Twin for Noise {
     }
 }
 
+impl Twin for Detail {
+    type Stored = v1::Detail;
+
+    fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
+        if let (Some(lowest), Some(highest)) = (stored.lowest_m, stored.highest_m)
+            && highest <= lowest
+        {
+            return Err(At::Member(at, "highest_m")
+                .fault(format!("more than lowest_m, {lowest}"), highest.to_string()));
+        }
+        let default = Self::default();
+        Ok(Self {
+            seed: stored.seed.unwrap_or(default.seed),
+            strength: stored.strength.unwrap_or(default.strength),
+            method: stored.method.map_or(default.method, Into::into),
+            slope: stored.slope.unwrap_or(default.slope),
+            lowest_m: stored.lowest_m,
+            highest_m: stored.highest_m,
+            fade_m: stored.fade_m.unwrap_or(default.fade_m),
+            shortest_m: stored.shortest_m.unwrap_or(default.shortest_m),
+        })
+    }
+
+    fn to_stored(&self) -> Self::Stored {
+        let default = Self::default();
+        v1::Detail {
+            seed: unless_default(self.seed, &default.seed),
+            strength: unless_default(self.strength, &default.strength),
+            method: unless_default(self.method, &default.method).map(Into::into),
+            slope: unless_default(self.slope, &default.slope),
+            lowest_m: self.lowest_m,
+            highest_m: self.highest_m,
+            fade_m: unless_default(self.fade_m, &default.fade_m),
+            shortest_m: unless_default(self.shortest_m, &default.shortest_m),
+        }
+    }
+}
+
 impl Twin for Georeference {
     type Stored = With<v1::Georeference>;
 
@@ -337,6 +377,7 @@ pub(crate) fn unknown_is_unknown(layer: &Layer) -> Result<(), Fault> {
         | LayerKind::Imagery(_)
         | LayerKind::Height(_)
         | LayerKind::Noise(_)
+        | LayerKind::Detail(_)
         | LayerKind::Tint(_)
         | LayerKind::Slope(_)
         | LayerKind::Contours(_)

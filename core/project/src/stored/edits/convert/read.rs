@@ -134,6 +134,10 @@ pub(super) fn edit(stored: StoredEdit, at: &At<'_>) -> Result<Edit, Fault> {
             id: id(e.id)?,
             noise: whole(e.noise, "noise", at)?,
         },
+        StoredEdit::SetDetail(e) => Edit::SetDetail {
+            id: id(e.id)?,
+            detail: whole(e.detail, "detail", at)?,
+        },
         StoredEdit::SetTint(e) => Edit::SetTint {
             id: id(e.id)?,
             tint: tint(e.stops, e.interpolation, at)?,

@@ -5,7 +5,7 @@ use crate::stored::edits::{
     AddBookmark, AddElement, AddLayer, AddScenario, Batch, DuplicateScenario, MergeScenario,
     MoveElement, MoveLayer, RemoveBookmark, RemoveElement, RemoveLayer, RemoveScenario,
     RenameScenario, ReplaceBookmark, ReplaceElement, SetAdjust, SetBands, SetBlend, SetCamera,
-    SetChange, SetChanges, SetContours, SetDated, SetEdgeFade, SetElementLocked, SetElementName,
+    SetChange, SetChanges, SetContours, SetDated, SetDetail, SetEdgeFade, SetElementLocked, SetElementName,
     SetElementStyle, SetElementVisible, SetExaggeration, SetGeoreference, SetHeightScale,
     SetLocked, SetMask, SetName, SetNodata, SetNoise, SetOpacity, SetPath, SetPlanet, SetQuality,
     SetResampling, SetScenarioLayer, SetScenarioParent, SetSlope, SetStretch, SetSun, SetTiles,
@@ -117,6 +117,10 @@ pub(super) fn edit(edit: &Edit) -> StoredEdit {
         Edit::SetNoise { id, noise } => StoredEdit::SetNoise(SetNoise {
             id: text(id),
             noise: alone(noise),
+        }),
+        Edit::SetDetail { id, detail } => StoredEdit::SetDetail(SetDetail {
+            id: text(id),
+            detail: alone(detail),
         }),
         Edit::SetSlope { id, slope } => StoredEdit::SetSlope(SetSlope {
             id: text(id),

@@ -1,0 +1,216 @@
+//! What was measured, anywhere: patches put together and interpolated.
+
+use core::cell::Cell;
+use core::f64::consts::{PI, TAU};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use glam::{DVec2, I64Vec2};
+use relievo_planet::{Grid, GridCrs, MapPoint, Planet};
+
+use super::survey::{NARROW_CELLS, Patch, Survey, WIDE, WIDE_CELLS};
+use crate::RenderError;
+use crate::node::Made;
+use crate::nodes::ground::Ground;
+
+/// How rough a place is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Rough {
+    /// Height of the longest octave, metres.
+    pub(super) height_m: f32,
+    /// The factor on it from octave to octave.
+    pub(super) falloff: f32,
+}
+
+/// A cell of some resolution: its patch, and its number there.
+struct Place {
+    column: i64,
+    row: i64,
+    cell: usize,
+}
+
+/// The cells around a place and how much each counts; `columns_of` says how many patches a row has.
+fn around(
+    survey: &Survey,
+    columns_of: impl Fn(i64) -> i64,
+    cells: usize,
+    place: MapPoint,
+) -> [(Place, f64); 4] {
+    let per = cells as i64;
+    let rows = survey.rows() * per;
+    let v = place.colat_rad / PI * rows as f64 - 0.5;
+    let first_row = libm::floor(v);
+    let share_y = v - first_row;
+    let corner = |east: i64, south: i64| {
+        let mut row = first_row as i64 + south;
+        let mut lon_rad = place.lon_rad;
+        // Beyond a pole lies the opposite meridian.
+        if row < 0 || row >= rows {
+            row = if row < 0 {
+                -1 - row
+            } else {
+                2 * rows - 1 - row
+            };
+            lon_rad += PI;
+        }
+        let columns = columns_of(row / per) * per;
+        let u = (lon_rad + PI) / TAU * columns as f64 - 0.5;
+        let first = libm::floor(u);
+        let share_x = u - first;
+        let column = (first as i64 + east).rem_euclid(columns);
+        let weight = |share: f64, second: i64| if second == 1 { share } else { 1.0 - share };
+        (
+            Place {
+                column: column / per,
+                row: row / per,
+                cell: (row % per * per + column % per) as usize,
+            },
+            weight(share_x, east) * weight(share_y, south),
+        )
+    };
+    [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)]
+}
+
+/// A sample's place and its longer side on the ground in metres; `None` where the plane shows no place.
+pub(super) fn where_is(
+    ground: &Ground,
+    planet: &Planet,
+    sample: I64Vec2,
+) -> Option<(MapPoint, f64)> {
+    let place = ground.point(sample.as_dvec2() + 0.5)?;
+    let spacing_m = if let Some(step) = ground.map_step() {
+        let across = step.x * libm::sin(place.colat_rad);
+        DVec2::new(across, step.y).abs().max_element() * planet.radius_m
+    } else {
+        let [column, row] = ground.steps_m(planet, sample)?;
+        column.length().max(row.length())
+    };
+    Some((place, spacing_m))
+}
+
+/// Patches, column and row, that decide the samples of a grid, sorted.
+pub(super) fn touched(
+    survey: &Survey,
+    grid: &Grid,
+    node: &'static str,
+) -> Result<BTreeSet<(i64, i64)>, RenderError> {
+    let mut all = BTreeSet::new();
+    let Grid { lattice, rect } = grid;
+    let columns_of = |row| survey.columns(row);
+    let mut add = |place: MapPoint| {
+        for (cell, _) in around(survey, columns_of, WIDE_CELLS, place) {
+            all.insert((cell.row, cell.column));
+        }
+    };
+    let cell_m = WIDE as f64 * survey.step_m();
+    let ground = Ground::new(lattice, node)?;
+    let step_m = match lattice.crs {
+        GridCrs::Map => survey.planet().radius_m * lattice.step.abs().max_element(),
+        GridCrs::Projected(_) => {
+            let middle = (rect.min + rect.max) / 2;
+            let steps = ground.steps_m(survey.planet(), middle);
+            steps.map_or(cell_m, |[a, b]| 2.0 * a.length().max(b.length()))
+        }
+    };
+    let stride = libm::floor(0.9 * cell_m / step_m).clamp(1.0, 1e6) as i64;
+    let along = |min: i64, max: i64| {
+        (min..max)
+            .step_by(stride as usize)
+            .chain((min < max).then(|| max - 1))
+    };
+    // Any place lies within half a cell of one that is looked at, so that no cell is missed.
+    let cell_rad = cell_m / survey.planet().radius_m;
+    for y in along(rect.min.y, rect.max.y) {
+        for x in along(rect.min.x, rect.max.x) {
+            let found = where_is(&ground, survey.planet(), I64Vec2::new(x, y));
+            // Samples that show no octave need nothing; beside this one they are about as large.
+            let Some((place, spacing_m)) = found else {
+                continue;
+            };
+            if 0.9 * spacing_m > 0.5 * survey.longest_m() {
+                continue;
+            }
+            add(place);
+            if stride > 1 {
+                let wide_rad = 0.5 * cell_rad / libm::sin(place.colat_rad).max(cell_rad);
+                for (east, south) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+                    let beside = MapPoint::new(
+                        place.lon_rad + east * wide_rad,
+                        place.colat_rad + south * 0.5 * cell_rad,
+                    );
+                    add(beside.normalised());
+                }
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Patches that were measured.
+pub(super) struct Field<'a> {
+    survey: &'a Survey,
+    patches: Vec<Arc<Patch>>,
+    /// The one that was found last.
+    last: Cell<usize>,
+    /// Rows and their numbers of patches, by whether the row is odd: neighbours are asked for in turns.
+    columns: [Cell<(i64, i64)>; 2],
+}
+
+impl<'a> Field<'a> {
+    /// The field of what [`super::Detail`] asked for.
+    pub(super) fn new(survey: &'a Survey, made: &[Made]) -> Self {
+        let patches = made.iter();
+        let patches = patches.filter_map(|m| Arc::downcast::<Patch>(Arc::clone(m)).ok());
+        Self {
+            survey,
+            patches: patches.collect(),
+            last: Cell::new(0),
+            columns: [Cell::new((-1, 0)), Cell::new((-1, 0))],
+        }
+    }
+
+    fn columns(&self, row: i64) -> i64 {
+        let known = &self.columns[(row & 1) as usize];
+        if known.get().0 != row {
+            known.set((row, self.survey.columns(row)));
+        }
+        known.get().1
+    }
+
+    fn patch(&self, place: &Place) -> Option<&Patch> {
+        let is_it = |patch: &Patch| patch.column == place.column && patch.row == place.row;
+        let last = self.patches.get(self.last.get());
+        if let Some(patch) = last.filter(|patch| is_it(patch)) {
+            return Some(patch);
+        }
+        let at = self.patches.iter().position(|patch| is_it(patch))?;
+        self.last.set(at);
+        self.patches.get(at).map(|patch| &**patch)
+    }
+
+    /// How rough a place is: bilinear between cells, so that nothing jumps.
+    pub(super) fn at(&self, place: MapPoint) -> Rough {
+        let (mut height_m, mut falloff, mut steep) = (0.0, 0.0, 0.0);
+        let columns_of = |row| self.columns(row);
+        for (cell, weight) in around(self.survey, columns_of, WIDE_CELLS, place) {
+            if let Some(patch) = self.patch(&cell) {
+                let [h, f] = patch.law[cell.cell].map(f64::from);
+                height_m += weight * h;
+                // Where nothing is rough nothing is said of how that falls off.
+                falloff += weight * h * f;
+            }
+        }
+        if height_m == 0.0 {
+            return Rough::default();
+        }
+        for (cell, weight) in around(self.survey, columns_of, NARROW_CELLS, place) {
+            if let Some(patch) = self.patch(&cell) {
+                steep += weight * f64::from(patch.steepness[cell.cell]);
+            }
+        }
+        Rough {
+            height_m: (height_m * steep) as f32,
+            falloff: (falloff / height_m) as f32,
+        }
+    }
+}
