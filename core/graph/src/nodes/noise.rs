@@ -56,7 +56,7 @@ impl Octave {
 }
 
 /// Scrambles all bits (the finaliser of SplitMix64, G. Steele and others, 2014).
-fn scrambled(seed: u64) -> u64 {
+pub(super) fn scrambled(seed: u64) -> u64 {
     let h = (seed ^ (seed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     h ^ (h >> 31)

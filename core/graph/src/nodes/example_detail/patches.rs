@@ -1,0 +1,553 @@
+//! Fine imagery without end, put together from patches of exemplars that suit the coarse colours.
+//!
+//! Patches are centred on a lattice that follows the samples by powers of two, every other row moved
+//! by half, so that all is decided by global integer indices: around the planet and over the poles the
+//! same patch is found from either side.
+
+use glam::{DVec2, I64Vec2};
+use relievo_planet::{GridCrs, MapPoint, Planet, SampleRect};
+
+use super::super::ground::Ground;
+use super::super::noise::scrambled;
+use super::coarse::{Coarse, Nesting, rows_between_poles};
+use super::exemplar::Exemplar;
+use super::field::Field;
+use crate::RenderError;
+
+/// Coarse samples beyond the wanted ones that decide which patches are chosen: the centre of a patch
+/// is less than 6 away (4 and half a step more), and what it is compared with 3 more.
+pub(super) const MARGIN: i64 = 10;
+
+/// Patches that are tried at a place, shared among the exemplars.
+const CANDIDATES: usize = 64;
+
+/// Patches that are tried of every exemplar, however many there are.
+const LEAST_CANDIDATES: usize = 12;
+
+/// Weights below this count for nothing: at most places one or two patches are mixed, as mixtures of
+/// more lose whatever structure they have.
+const LEAST_WEIGHT: f32 = 0.15;
+
+/// Detail is at most this much stronger than in the exemplar, where the coarse colour is brighter.
+const MOST_GAIN: f32 = 4.0;
+
+/// What decides which patches lie where.
+pub(super) struct Choice<'a> {
+    pub(super) planet: &'a Planet,
+    pub(super) exemplars: &'a [std::sync::Arc<Exemplar>],
+    pub(super) seed: u64,
+    pub(super) strength: f32,
+    pub(super) tolerance: f32,
+}
+
+/// The lattice of patches.
+#[derive(Clone, Copy, Debug)]
+struct Centres {
+    /// From patch to patch there are 2^this coarse samples.
+    exponent: i32,
+    /// Patches around the planet and from pole to pole, where the lattice closes.
+    closed: Option<I64Vec2>,
+}
+
+/// A place in the lattice of patches, as it is called inside the lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    column: i64,
+    row: i64,
+    /// Whether it was found from beyond a pole.
+    mirrored: bool,
+}
+
+impl Centres {
+    /// As far apart as 4 coarse samples, unless exemplars are too small for that: with as much on
+    /// either side, a third of the smallest is left to choose from.
+    fn new(nesting: &Nesting, exemplars: &[std::sync::Arc<Exemplar>]) -> Self {
+        let smallest_m = exemplars
+            .iter()
+            .flat_map(|exemplar| exemplar.extent_m())
+            .fold(f64::INFINITY, f64::min);
+        let mut exponent = 2;
+        while exponent > -32 && libm::ldexp(nesting.spacing_m, exponent) > smallest_m / 3.0 {
+            exponent -= 1;
+        }
+        let closed = nesting.coarse.columns_around.map(|columns| {
+            let samples = I64Vec2::new(columns, rows_between_poles(&nesting.coarse));
+            if exponent < 0 {
+                samples << -exponent
+            } else {
+                samples >> exponent
+            }
+        });
+        Self { exponent, closed }
+    }
+
+    /// Samples from patch to patch after some doublings; an even number.
+    fn apart(&self, doublings: u32) -> Option<i64> {
+        let exponent = doublings as i32 + self.exponent;
+        (1..=40).contains(&exponent).then(|| 1 << exponent)
+    }
+
+    fn place(&self, column: i64, row: i64) -> Place {
+        let Some(around) = self.closed else {
+            return Place {
+                column,
+                row,
+                mirrored: false,
+            };
+        };
+        let phase = row.rem_euclid(2 * around.y);
+        let mirrored = phase >= around.y;
+        let (row, column) = if mirrored {
+            (2 * around.y - 1 - phase, column + around.x / 2)
+        } else {
+            (phase, column)
+        };
+        Place {
+            column: column.rem_euclid(around.x),
+            row,
+            mirrored,
+        }
+    }
+
+    /// Half a step, by which every other row is moved east.
+    fn moved(&self, row: i64) -> bool {
+        self.place(0, row).row & 1 == 1
+    }
+
+    /// The centre of a patch, in coarse samples.
+    fn centre(&self, column: i64, row: i64) -> DVec2 {
+        let x = column as f64 + if self.moved(row) { 1.0 } else { 0.5 };
+        let side = libm::ldexp(1.0, self.exponent);
+        DVec2::new(x, row as f64 + 0.5) * side
+    }
+}
+
+/// The first of the two patches of a row (or rows) between which a sample lies, and how many samples
+/// the sample is beyond the first one's centre, minus ½.
+fn between(sample: i64, apart: i64, moved: bool) -> (i64, i64) {
+    let from = sample - apart / 2 - if moved { apart / 2 } else { 0 };
+    (from.div_euclid(apart), from.rem_euclid(apart))
+}
+
+/// A piece of an exemplar, laid around a centre.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    exemplar: usize,
+    /// Where the centre is in the exemplar, from its north-west corner.
+    centre_m: [f32; 2],
+    /// From coarse sample to coarse sample in the exemplar, eastward and southward; southward is
+    /// negative beyond a pole.
+    step_m: [f32; 2],
+    /// What is subtracted from the exemplar's light.
+    mean: [f32; 4],
+    /// What the rest is multiplied by.
+    gain: [f32; 4],
+}
+
+/// All patches that some samples need.
+pub(super) struct Patches<'a> {
+    choice: &'a Choice<'a>,
+    nesting: &'a Nesting,
+    centres: Centres,
+    /// Columns and rows of patches.
+    rect: SampleRect,
+    patches: Vec<Option<Patch>>,
+}
+
+impl<'a> Patches<'a> {
+    /// Chooses patches for the coarse samples `rect`; `coarse` holds at least [`MARGIN`] more on every
+    /// side.
+    pub(super) fn new(
+        choice: &'a Choice<'a>,
+        nesting: &'a Nesting,
+        coarse: &Coarse,
+        rect: &SampleRect,
+    ) -> Result<Self, RenderError> {
+        let centres = Centres::new(nesting, choice.exemplars);
+        let mut all = Self {
+            choice,
+            nesting,
+            centres,
+            rect: SampleRect::default(),
+            patches: Vec::new(),
+        };
+        let Some(first) = (1..=nesting.doublings).find(|doublings| all.shows(*doublings)) else {
+            return Ok(all);
+        };
+        let times = 1_i64 << first;
+        let Some(apart) = centres.apart(first) else {
+            return Ok(all);
+        };
+        let (min, last) = (rect.min * times, rect.max * times - 1);
+        all.rect = SampleRect::new(
+            I64Vec2::new(
+                between(min.x, apart, true).0,
+                between(min.y, apart, false).0,
+            ),
+            I64Vec2::new(
+                between(last.x, apart, false).0 + 2,
+                between(last.y, apart, false).0 + 2,
+            ),
+        );
+        let ground = Ground::new(&nesting.coarse, super::KIND)?;
+        for row in all.rect.min.y..all.rect.max.y {
+            for column in all.rect.min.x..all.rect.max.x {
+                let patch = all.choose(&ground, coarse, column, row);
+                all.patches.push(patch);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Whether exemplars have something to show after some doublings.
+    fn shows(&self, doublings: u32) -> bool {
+        let spacing_m = self.spacing_m(doublings);
+        let exemplars = self.choice.exemplars;
+        self.centres.apart(doublings).is_some()
+            && exemplars.iter().any(|e| e.mip(spacing_m).is_some())
+    }
+
+    fn spacing_m(&self, doublings: u32) -> f64 {
+        libm::ldexp(self.nesting.spacing_m, -(doublings as i32))
+    }
+
+    /// Metres from coarse sample to coarse sample at a patch's centre, eastward and southward.
+    fn step_m(&self, ground: &Ground, column: i64, row: i64) -> Option<DVec2> {
+        let lattice = &self.nesting.coarse;
+        let place = self.centres.place(column, row);
+        let centre = self.centres.centre(place.column, place.row);
+        if lattice.crs == GridCrs::Map {
+            let plane = lattice.origin + centre * lattice.step;
+            let colat_rad = MapPoint::new(plane.x, plane.y).normalised().colat_rad;
+            return Some((self.choice.planet.metres_per_radian(colat_rad) * lattice.step).abs());
+        }
+        let nearest = centre.floor().as_i64vec2();
+        let [column, row] = ground.steps_m(self.choice.planet, nearest)?;
+        Some(DVec2::new(column.length(), row.length()))
+    }
+
+    /// The best of some patches that chance names, none where the coarse colours are not there or too
+    /// far from all of them.
+    fn choose(&self, ground: &Ground, coarse: &Coarse, column: i64, row: i64) -> Option<Patch> {
+        let step_m = self.step_m(ground, column, row)?;
+        let place = self.centres.place(column, row);
+        let around = Around::new(
+            coarse,
+            self.centres.centre(column, row),
+            self.centres.exponent,
+        )?;
+        let side = libm::ldexp(1.0, self.centres.exponent);
+        let south = if place.mirrored { -1.0 } else { 1.0 };
+        let step_in_exemplar_m = [step_m.x as f32, (step_m.y * south) as f32];
+
+        let exemplars = self.choice.exemplars;
+        let key = scrambled(scrambled(self.choice.seed).wrapping_add(place.row as u64));
+        let key = scrambled(key.wrapping_add(place.column as u64));
+        let each = (CANDIDATES / exemplars.len()).max(LEAST_CANDIDATES);
+        let mut best: Option<(f32, Patch)> = None;
+        for candidate in 0..each * exemplars.len() {
+            let exemplar = candidate % exemplars.len();
+            let chance = scrambled(key.wrapping_add(1 + candidate as u64));
+            let chances = [chance >> 32, chance & 0xFFFF_FFFF].map(|c| c as f64 / 4_294_967_296.0);
+            let extent_m = exemplars[exemplar].extent_m();
+            let centre_m = [0, 1].map(|axis| {
+                let reach_m = (side * step_m[axis]).min(0.5 * extent_m[axis]);
+                (reach_m + chances[axis] * (extent_m[axis] - 2.0 * reach_m)) as f32
+            });
+            let patch = Patch {
+                exemplar,
+                centre_m,
+                step_m: step_in_exemplar_m,
+                mean: [0.0; 4],
+                gain: [0.0; 4],
+            };
+            let limit = best
+                .as_ref()
+                .map_or(f32::INFINITY, |(difference, _)| *difference);
+            if let Some(difference) = self.difference(&patch, &around, limit) {
+                best = Some((difference, patch));
+            }
+        }
+        let (_, patch) = best?;
+        self.matched(patch, &around)
+    }
+
+    /// The resolution at which an exemplar is compared with the coarse colours.
+    fn compared(&self, exemplar: usize) -> super::exemplar::Reader<'_> {
+        let exemplar = &self.choice.exemplars[exemplar];
+        let spacing_m = libm::ldexp(self.nesting.spacing_m, self.centres.exponent.min(0));
+        exemplar.reader(exemplar.mip(spacing_m).unwrap_or(0))
+    }
+
+    /// Sum of squared differences to the coarse colours, if it is below `limit`.
+    fn difference(&self, patch: &Patch, around: &Around, limit: f32) -> Option<f32> {
+        let reader = self.compared(patch.exemplar);
+        let mut sum = 0.0;
+        for sample in &around.samples {
+            let shown = reader.encoded(patch.at(sample.from_centre, reader.per_metre));
+            for (shown, wanted) in shown.iter().zip(sample.encoded) {
+                sum += (shown - wanted) * (shown - wanted);
+            }
+            if sum >= limit {
+                return None;
+            }
+        }
+        (sum < limit).then_some(sum)
+    }
+
+    /// A patch with its mean and gain, if it is near enough to the coarse colours.
+    fn matched(&self, mut patch: Patch, around: &Around) -> Option<Patch> {
+        let reader = self.compared(patch.exemplar);
+        let per_sample = 1.0 / around.samples.len() as f32;
+        let (mut off, mut wanted, mut shown) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        for sample in &around.samples {
+            let at = patch.at(sample.from_centre, reader.per_metre);
+            let (encoded, light) = (reader.encoded(at), reader.light(at));
+            for c in 0..3 {
+                off[c] += (encoded[c] - sample.encoded[c]) * per_sample;
+                wanted[c] += sample.light[c] * per_sample;
+                shown[c] += light[c] * per_sample;
+            }
+        }
+        let off = off.iter().map(|v| v * v).sum::<f32>().sqrt();
+        let amount = self.choice.strength * near(off, self.choice.tolerance);
+        for c in 0..3 {
+            patch.mean[c] = shown[c];
+            // As dark soil is a darker pattern and not a fainter one: in proportion to the light.
+            let ratio = wanted[c] / shown[c].max(1e-3);
+            patch.gain[c] = amount * ratio.clamp(0.0, MOST_GAIN);
+        }
+        (amount > 0.0).then_some(patch)
+    }
+
+    fn get(&self, column: i64, row: i64) -> Option<&Patch> {
+        let from = I64Vec2::new(column, row) - self.rect.min;
+        self.patches[(from.y * self.rect.width() + from.x) as usize].as_ref()
+    }
+
+    /// The light of the patches on the samples `rect` after some doublings, less the mean of each;
+    /// `None` if exemplars have nothing to show there.
+    ///
+    /// Patches are mixed with weights b² of which the variance stays the same, Σ b v / √Σ b²
+    /// (\[HN18\]; \[Bur19\] for sharper weights).
+    pub(super) fn light(&self, doublings: u32, rect: &SampleRect) -> Option<Field> {
+        let apart = self.centres.apart(doublings)?;
+        if !self.shows(doublings) || self.patches.iter().all(Option::is_none) {
+            return None;
+        }
+        let mut out = Field::new(*rect);
+        let width = rect.width() as usize;
+        let mut line = vec![[0.0; 4]; width];
+        for y in rect.min.y..rect.max.y {
+            line.fill([0.0; 4]);
+            let (row, beyond) = between(y, apart, false);
+            let beyond = beyond as f32 + 0.5;
+            for (row, south) in [(row, beyond), (row + 1, beyond - apart as f32)] {
+                let weight = 1.0 - south.abs() / apart as f32;
+                if weight > LEAST_WEIGHT {
+                    self.add_row(doublings, apart, (row, south, weight), rect, &mut line);
+                }
+            }
+            let first = (y - rect.min.y) as usize * width;
+            for (i, [r, g, b, squares]) in line.iter().enumerate() {
+                let scale = 1.0 / squares.sqrt();
+                out.set(first + i, [r * scale, g * scale, b * scale]);
+            }
+        }
+        Some(out)
+    }
+
+    /// Adds a row of patches to a line of samples: weighted light, and the squares of weights.
+    fn add_row(
+        &self,
+        doublings: u32,
+        apart: i64,
+        (row, south, row_weight): (i64, f32, f32),
+        rect: &SampleRect,
+        line: &mut [[f32; 4]],
+    ) {
+        let moved = self.centres.moved(row);
+        let spacing_m = self.spacing_m(doublings);
+        let per_coarse = libm::ldexp(1.0, -(doublings as i32)) as f32;
+        let per_apart = 1.0 / apart as f32;
+        let mut x = rect.min.x;
+        while x < rect.max.x {
+            // Samples up to the next centre lie between the same two patches.
+            let (column, beyond) = between(x, apart, moved);
+            let end = (x + apart - beyond).min(rect.max.x);
+            let span = &mut line[(x - rect.min.x) as usize..(end - rect.min.x) as usize];
+            for (column, from) in [(column, beyond), (column + 1, beyond - apart)] {
+                let shown = self.get(column, row).and_then(|patch| {
+                    let exemplar = &self.choice.exemplars[patch.exemplar];
+                    Some((patch, exemplar.reader(exemplar.mip(spacing_m)?)))
+                });
+                for (i, sum) in span.iter_mut().enumerate() {
+                    let east = (from + i as i64) as f32 + 0.5;
+                    let weight = row_weight * (1.0 - east.abs() * per_apart) - LEAST_WEIGHT;
+                    if weight <= 0.0 {
+                        continue;
+                    }
+                    let weight = weight * weight;
+                    if let Some((patch, reader)) = &shown {
+                        let from_centre = [east * per_coarse, south * per_coarse];
+                        let light = reader.light(patch.at(from_centre, reader.per_metre));
+                        for c in 0..3 {
+                            sum[c] += weight * (patch.gain[c] * (light[c] - patch.mean[c]));
+                        }
+                    }
+                    sum[3] += weight * weight;
+                }
+            }
+            x = end;
+        }
+    }
+}
+
+impl Patch {
+    /// Where in its exemplar, in samples of a resolution, a place is shown that lies so many coarse
+    /// samples from the centre.
+    #[inline(always)]
+    fn at(&self, from_centre: [f32; 2], per_metre: f32) -> [f32; 2] {
+        [
+            (self.centre_m[0] + from_centre[0] * self.step_m[0]) * per_metre,
+            (self.centre_m[1] + from_centre[1] * self.step_m[1]) * per_metre,
+        ]
+    }
+}
+
+/// 1 for colours no further apart than `tolerance`, falling smoothly to 0 at twice that.
+fn near(off: f32, tolerance: f32) -> f32 {
+    if off <= tolerance {
+        return 1.0;
+    }
+    let t = (2.0 - off / tolerance).max(0.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// A coarse colour with which a patch is compared.
+struct Wanted {
+    /// In coarse samples.
+    from_centre: [f32; 2],
+    light: [f32; 3],
+    encoded: [f32; 3],
+}
+
+/// The coarse colours around the centre of a patch.
+struct Around {
+    samples: Vec<Wanted>,
+}
+
+impl Around {
+    /// `None` where there is nothing.
+    fn new(coarse: &Coarse, centre: DVec2, exponent: i32) -> Option<Self> {
+        // Centres that are samples apart lie on corners of samples.
+        let half = match exponent {
+            2.. => 3,
+            1 => 2,
+            _ => 0,
+        };
+        let nearest = centre.floor().as_i64vec2();
+        let rect = if half == 0 {
+            SampleRect::new(nearest, nearest + 1)
+        } else {
+            SampleRect::new(nearest - half, nearest + half)
+        };
+        let mut samples = Vec::with_capacity(rect.area() as usize);
+        for y in rect.min.y..rect.max.y {
+            for x in rect.min.x..rect.max.x {
+                let sample = I64Vec2::new(x, y);
+                let at = coarse.at(sample);
+                if coarse.there[at] {
+                    let from_centre = if half == 0 {
+                        DVec2::ZERO
+                    } else {
+                        sample.as_dvec2() + 0.5 - centre
+                    };
+                    samples.push(Wanted {
+                        from_centre: from_centre.as_vec2().to_array(),
+                        light: coarse.light.get(at),
+                        encoded: coarse.encoded[at],
+                    });
+                }
+            }
+        }
+        (!samples.is_empty()).then_some(Self { samples })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn from_beyond_a_pole_or_around_the_planet_the_same_patches_are_found(
+            exponent in -3..3_i32, x in -400..400_i64, y in -300..300_i64,
+        ) {
+            let samples = I64Vec2::new(256, 128);
+            let closed = if exponent < 0 { samples << -exponent } else { samples >> exponent };
+            let centres = Centres { exponent, closed: Some(closed) };
+            let doublings = 4_u32;
+            let fine = samples << doublings;
+            let apart = centres.apart(doublings).expect("even");
+            // Its own name inside the lattice.
+            let mut inside = I64Vec2::new(x, y.rem_euclid(2 * fine.y));
+            let mirrored = inside.y >= fine.y;
+            if mirrored {
+                inside = I64Vec2::new(x + fine.x / 2, 2 * fine.y - 1 - inside.y);
+            }
+            inside.x = inside.x.rem_euclid(fine.x);
+            let found = |x: i64, y: i64| {
+                let (row, beyond_y) = between(y, apart, false);
+                let mut all = Vec::new();
+                for (row, dy) in [(row, 2 * beyond_y + 1), (row + 1, 2 * (beyond_y - apart) + 1)] {
+                    let (column, beyond_x) = between(x, apart, centres.moved(row));
+                    for (column, dx) in [(column, beyond_x), (column + 1, beyond_x - apart)] {
+                        let place = centres.place(column, row);
+                        let dy = if place.mirrored { -dy } else { dy };
+                        all.push((place.row, place.column, dx, dy));
+                    }
+                }
+                all.sort_unstable();
+                all
+            };
+            prop_assert_eq!(found(x, y), found(inside.x, inside.y));
+        }
+
+        #[test]
+        fn a_sample_lies_between_the_centres_that_are_named_for_it(
+            sample in -1000..1000_i64, exponent in 1..6_u32, moved: bool,
+        ) {
+            let apart = 1_i64 << exponent;
+            let (first, beyond) = between(sample, apart, moved);
+            let centre = first as f64 + if moved { 1.0 } else { 0.5 };
+            prop_assert_eq!(sample as f64 + 0.5 - centre * apart as f64, beyond as f64 + 0.5);
+            prop_assert!((0..apart).contains(&beyond));
+        }
+    }
+
+    #[test]
+    fn some_patch_has_weight_everywhere() {
+        // The largest weight is least between four centres, or between one and two of the next row.
+        for (east, south) in [(0.5, 0.5), (0.25, 0.5), (0.0, 0.5)] {
+            let rows = [[east, 1.0 - east], [0.5 - east, 0.5 + east]];
+            let largest = rows
+                .iter()
+                .flatten()
+                .map(|dx: &f32| (1.0 - dx) * south)
+                .fold(0.0, f32::max);
+            assert!(largest > LEAST_WEIGHT + 0.05, "{largest}");
+        }
+    }
+
+    #[test]
+    fn patches_fade_as_colours_leave_them() {
+        assert_eq!(near(0.1, 0.1), 1.0);
+        assert_eq!(near(0.2, 0.1), 0.0);
+        assert!((near(0.15, 0.1) - 0.5).abs() < 1e-6);
+        assert_eq!(near(9.0, f32::INFINITY), 1.0);
+        assert_eq!((near(0.0, 0.0), near(0.1, 0.0)), (1.0, 0.0));
+    }
+}
