@@ -1,5 +1,6 @@
 //! Colours finer than imagery has them, after examples.
 
+mod choice;
 mod coarse;
 mod exemplar;
 mod field;
@@ -14,10 +15,11 @@ use relievo_raster::{Bands, Block};
 
 use crate::node::{Artefact, Made};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
+use choice::Choice;
 use coarse::{Coarse, CoarseColours, Nesting};
 pub use exemplar::{Exemplar, ExemplarError, LEAST_SAMPLES};
 use field::{Field, covered, covering};
-use patches::{Choice, MARGIN, Patches};
+use patches::{MARGIN, Patches};
 
 const KIND: &str = "example detail";
 

@@ -4,11 +4,14 @@
 //! by half, so that all is decided by global integer indices: around the planet and over the poles the
 //! same patch is found from either side.
 
+use std::sync::Arc;
+
 use glam::{DVec2, I64Vec2};
-use relievo_planet::{GridCrs, MapPoint, Planet, SampleRect};
+use relievo_planet::{GridCrs, MapPoint, SampleRect};
 
 use super::super::ground::Ground;
 use super::super::noise::scrambled;
+use super::choice::{Around, Choice, Patch, Shown};
 use super::coarse::{Coarse, Nesting, rows_between_poles};
 use super::exemplar::Exemplar;
 use super::field::Field;
@@ -18,27 +21,9 @@ use crate::RenderError;
 /// is less than 6 away (4 and half a step more), and what it is compared with 3 more.
 pub(super) const MARGIN: i64 = 10;
 
-/// Patches that are tried at a place, shared among the exemplars.
-const CANDIDATES: usize = 64;
-
-/// Patches that are tried of every exemplar, however many there are.
-const LEAST_CANDIDATES: usize = 12;
-
 /// Weights below this count for nothing: at most places one or two patches are mixed, as mixtures of
 /// more lose whatever structure they have.
 const LEAST_WEIGHT: f32 = 0.15;
-
-/// Detail is at most this much stronger than in the exemplar, where the coarse colour is brighter.
-const MOST_GAIN: f32 = 4.0;
-
-/// What decides which patches lie where.
-pub(super) struct Choice<'a> {
-    pub(super) planet: &'a Planet,
-    pub(super) exemplars: &'a [std::sync::Arc<Exemplar>],
-    pub(super) seed: u64,
-    pub(super) strength: f32,
-    pub(super) tolerance: f32,
-}
 
 /// The lattice of patches.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +46,7 @@ struct Place {
 impl Centres {
     /// As far apart as 4 coarse samples, unless exemplars are too small for that: with as much on
     /// either side, a third of the smallest is left to choose from.
-    fn new(nesting: &Nesting, exemplars: &[std::sync::Arc<Exemplar>]) -> Self {
+    fn new(nesting: &Nesting, exemplars: &[Arc<Exemplar>]) -> Self {
         let smallest_m = exemplars
             .iter()
             .flat_map(|exemplar| exemplar.extent_m())
@@ -129,21 +114,6 @@ fn between(sample: i64, apart: i64, moved: bool) -> (i64, i64) {
     (from.div_euclid(apart), from.rem_euclid(apart))
 }
 
-/// A piece of an exemplar, laid around a centre.
-#[derive(Clone, Copy, Debug)]
-struct Patch {
-    exemplar: usize,
-    /// Where the centre is in the exemplar, from its north-west corner.
-    centre_m: [f32; 2],
-    /// From coarse sample to coarse sample in the exemplar, eastward and southward; southward is
-    /// negative beyond a pole.
-    step_m: [f32; 2],
-    /// What is subtracted from the exemplar's light.
-    mean: [f32; 4],
-    /// What the rest is multiplied by.
-    gain: [f32; 4],
-}
-
 /// All patches that some samples need.
 pub(super) struct Patches<'a> {
     choice: &'a Choice<'a>,
@@ -190,9 +160,10 @@ impl<'a> Patches<'a> {
             ),
         );
         let ground = Ground::new(&nesting.coarse, super::KIND)?;
+        let mut shown = None;
         for row in all.rect.min.y..all.rect.max.y {
             for column in all.rect.min.x..all.rect.max.x {
-                let patch = all.choose(&ground, coarse, column, row);
+                let patch = all.choose(&ground, &mut shown, coarse, (column, row));
                 all.patches.push(patch);
             }
         }
@@ -226,98 +197,25 @@ impl<'a> Patches<'a> {
         Some(DVec2::new(column.length(), row.length()))
     }
 
-    /// The best of some patches that chance names, none where the coarse colours are not there or too
-    /// far from all of them.
-    fn choose(&self, ground: &Ground, coarse: &Coarse, column: i64, row: i64) -> Option<Patch> {
+    /// The patch of a place, if there is one.
+    fn choose(
+        &self,
+        ground: &Ground,
+        shown: &mut Option<Shown>,
+        coarse: &Coarse,
+        (column, row): (i64, i64),
+    ) -> Option<Patch> {
+        let (choice, exponent) = (self.choice, self.centres.exponent);
         let step_m = self.step_m(ground, column, row)?;
         let place = self.centres.place(column, row);
-        let around = Around::new(
-            coarse,
-            self.centres.centre(column, row),
-            self.centres.exponent,
-        )?;
-        let side = libm::ldexp(1.0, self.centres.exponent);
-        let south = if place.mirrored { -1.0 } else { 1.0 };
-        let step_in_exemplar_m = [step_m.x as f32, (step_m.y * south) as f32];
-
-        let exemplars = self.choice.exemplars;
-        let key = scrambled(scrambled(self.choice.seed).wrapping_add(place.row as u64));
+        let centre = self.centres.centre(column, row);
+        let around = Around::new(coarse, centre, exponent, place.mirrored)?;
+        let kept = shown.take().filter(|shown| shown.is_for(step_m, exponent));
+        let shown = shown.insert(kept.unwrap_or_else(|| Shown::new(choice, step_m, exponent)));
+        let key = scrambled(scrambled(choice.seed).wrapping_add(place.row as u64));
         let key = scrambled(key.wrapping_add(place.column as u64));
-        let each = (CANDIDATES / exemplars.len()).max(LEAST_CANDIDATES);
-        let mut best: Option<(f32, Patch)> = None;
-        for candidate in 0..each * exemplars.len() {
-            let exemplar = candidate % exemplars.len();
-            let chance = scrambled(key.wrapping_add(1 + candidate as u64));
-            let chances = [chance >> 32, chance & 0xFFFF_FFFF].map(|c| c as f64 / 4_294_967_296.0);
-            let extent_m = exemplars[exemplar].extent_m();
-            let centre_m = [0, 1].map(|axis| {
-                let reach_m = (side * step_m[axis]).min(0.5 * extent_m[axis]);
-                (reach_m + chances[axis] * (extent_m[axis] - 2.0 * reach_m)) as f32
-            });
-            let patch = Patch {
-                exemplar,
-                centre_m,
-                step_m: step_in_exemplar_m,
-                mean: [0.0; 4],
-                gain: [0.0; 4],
-            };
-            let limit = best
-                .as_ref()
-                .map_or(f32::INFINITY, |(difference, _)| *difference);
-            if let Some(difference) = self.difference(&patch, &around, limit) {
-                best = Some((difference, patch));
-            }
-        }
-        let (_, patch) = best?;
-        self.matched(patch, &around)
-    }
-
-    /// The resolution at which an exemplar is compared with the coarse colours.
-    fn compared(&self, exemplar: usize) -> super::exemplar::Reader<'_> {
-        let exemplar = &self.choice.exemplars[exemplar];
-        let spacing_m = libm::ldexp(self.nesting.spacing_m, self.centres.exponent.min(0));
-        exemplar.reader(exemplar.mip(spacing_m).unwrap_or(0))
-    }
-
-    /// Sum of squared differences to the coarse colours, if it is below `limit`.
-    fn difference(&self, patch: &Patch, around: &Around, limit: f32) -> Option<f32> {
-        let reader = self.compared(patch.exemplar);
-        let mut sum = 0.0;
-        for sample in &around.samples {
-            let shown = reader.encoded(patch.at(sample.from_centre, reader.per_metre));
-            for (shown, wanted) in shown.iter().zip(sample.encoded) {
-                sum += (shown - wanted) * (shown - wanted);
-            }
-            if sum >= limit {
-                return None;
-            }
-        }
-        (sum < limit).then_some(sum)
-    }
-
-    /// A patch with its mean and gain, if it is near enough to the coarse colours.
-    fn matched(&self, mut patch: Patch, around: &Around) -> Option<Patch> {
-        let reader = self.compared(patch.exemplar);
-        let per_sample = 1.0 / around.samples.len() as f32;
-        let (mut off, mut wanted, mut shown) = ([0.0; 3], [0.0; 3], [0.0; 3]);
-        for sample in &around.samples {
-            let at = patch.at(sample.from_centre, reader.per_metre);
-            let (encoded, light) = (reader.encoded(at), reader.light(at));
-            for c in 0..3 {
-                off[c] += (encoded[c] - sample.encoded[c]) * per_sample;
-                wanted[c] += sample.light[c] * per_sample;
-                shown[c] += light[c] * per_sample;
-            }
-        }
-        let off = off.iter().map(|v| v * v).sum::<f32>().sqrt();
-        let amount = self.choice.strength * near(off, self.choice.tolerance);
-        for c in 0..3 {
-            patch.mean[c] = shown[c];
-            // As dark soil is a darker pattern and not a fainter one: in proportion to the light.
-            let ratio = wanted[c] / shown[c].max(1e-3);
-            patch.gain[c] = amount * ratio.clamp(0.0, MOST_GAIN);
-        }
-        (amount > 0.0).then_some(patch)
+        let south = if place.mirrored { -1.0 } else { 1.0 };
+        choice.best(shown, &around, key, [step_m.x, step_m.y * south])
     }
 
     fn get(&self, column: i64, row: i64) -> Option<&Patch> {
@@ -403,78 +301,6 @@ impl<'a> Patches<'a> {
     }
 }
 
-impl Patch {
-    /// Where in its exemplar, in samples of a resolution, a place is shown that lies so many coarse
-    /// samples from the centre.
-    #[inline(always)]
-    fn at(&self, from_centre: [f32; 2], per_metre: f32) -> [f32; 2] {
-        [
-            (self.centre_m[0] + from_centre[0] * self.step_m[0]) * per_metre,
-            (self.centre_m[1] + from_centre[1] * self.step_m[1]) * per_metre,
-        ]
-    }
-}
-
-/// 1 for colours no further apart than `tolerance`, falling smoothly to 0 at twice that.
-fn near(off: f32, tolerance: f32) -> f32 {
-    if off <= tolerance {
-        return 1.0;
-    }
-    let t = (2.0 - off / tolerance).max(0.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
-/// A coarse colour with which a patch is compared.
-struct Wanted {
-    /// In coarse samples.
-    from_centre: [f32; 2],
-    light: [f32; 3],
-    encoded: [f32; 3],
-}
-
-/// The coarse colours around the centre of a patch.
-struct Around {
-    samples: Vec<Wanted>,
-}
-
-impl Around {
-    /// `None` where there is nothing.
-    fn new(coarse: &Coarse, centre: DVec2, exponent: i32) -> Option<Self> {
-        // Centres that are samples apart lie on corners of samples.
-        let half = match exponent {
-            2.. => 3,
-            1 => 2,
-            _ => 0,
-        };
-        let nearest = centre.floor().as_i64vec2();
-        let rect = if half == 0 {
-            SampleRect::new(nearest, nearest + 1)
-        } else {
-            SampleRect::new(nearest - half, nearest + half)
-        };
-        let mut samples = Vec::with_capacity(rect.area() as usize);
-        for y in rect.min.y..rect.max.y {
-            for x in rect.min.x..rect.max.x {
-                let sample = I64Vec2::new(x, y);
-                let at = coarse.at(sample);
-                if coarse.there[at] {
-                    let from_centre = if half == 0 {
-                        DVec2::ZERO
-                    } else {
-                        sample.as_dvec2() + 0.5 - centre
-                    };
-                    samples.push(Wanted {
-                        from_centre: from_centre.as_vec2().to_array(),
-                        light: coarse.light.get(at),
-                        encoded: coarse.encoded[at],
-                    });
-                }
-            }
-        }
-        (!samples.is_empty()).then_some(Self { samples })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -540,14 +366,5 @@ mod tests {
                 .fold(0.0, f32::max);
             assert!(largest > LEAST_WEIGHT + 0.05, "{largest}");
         }
-    }
-
-    #[test]
-    fn patches_fade_as_colours_leave_them() {
-        assert_eq!(near(0.1, 0.1), 1.0);
-        assert_eq!(near(0.2, 0.1), 0.0);
-        assert!((near(0.15, 0.1) - 0.5).abs() < 1e-6);
-        assert_eq!(near(9.0, f32::INFINITY), 1.0);
-        assert_eq!((near(0.0, 0.0), near(0.1, 0.0)), (1.0, 0.0));
     }
 }

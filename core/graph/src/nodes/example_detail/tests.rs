@@ -311,7 +311,9 @@ fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
             let times = 1 << doublings;
             let fine = scene.detailed(rect, doublings);
             let (mut at_border, mut inside) = ([0.0, 0.0], [0.0, 0.0]);
-            for i in (0..fine.plane(0).len()).filter(|i| i % fine.width() > 0) {
+            // Among steps from one sample of the level above to the next.
+            let steps = (0..fine.plane(0).len()).step_by(2);
+            for i in steps.filter(|i| i % fine.width() > 0) {
                 let step = f64::from(fine.plane(0)[i] - fine.plane(0)[i - 1]).abs();
                 let sums = if i % times == 0 {
                     &mut at_border
@@ -334,7 +336,7 @@ fn there_is_no_seam_at_the_antimeridian() {
     let around = COARSE.samples().x;
     let rect = SampleRect::at(-16, 480_000, 32, 24);
     let imagery = colours(rect.grow(16), |x, y, c| {
-        0.4 + 0.01 * (x + y) as f32 * (c as f32 - 1.0)
+        0.4 + 0.004 * (x + y - 480_000) as f32 * (c as f32 - 1.0)
     });
     let scene = Scene::new(rect.grow(16), imagery, rough(), &params());
     let fine = scene.detailed(rect, 3);
