@@ -233,13 +233,14 @@ fn time_of_tiles(coarse: &Block, exemplar: &Arc<Exemplar>) -> Result<(), Box<dyn
         let place = rect.min + (rect.max - rect.min) / 4;
         let tile = place * (1 << doublings) / 256;
         let key = TileKey::new(level, tile.x, tile.y).ok_or("a tile of the level")?;
-        let start = Instant::now();
-        let tiles = 3;
-        for east in 0..tiles {
-            let grid = key.neighbour(east, 0).grid();
+        let mut least_ns = f64::INFINITY;
+        for east in 0..6 {
+            let grid = key.neighbour(east % 3, 0).grid();
+            let start = Instant::now();
             graph.evaluate(output, &grid, &Cancel::default())?;
+            least_ns = least_ns.min(start.elapsed().as_nanos() as f64);
         }
-        let ns = start.elapsed().as_nanos() as f64 / (tiles * 256 * 256) as f64;
+        let ns = least_ns / (256.0 * 256.0);
         println!("2^{doublings} times as fine: {ns:.0} ns a sample");
     }
     Ok(())

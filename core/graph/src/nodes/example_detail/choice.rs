@@ -22,6 +22,9 @@ const MOST_GAIN: f32 = 4.0;
 /// share reduced exemplars: the sides are met to about a hundredth.
 const STEPS_TO_AN_OCTAVE: f64 = 32.0;
 
+/// Most that a side of a sample is longer than the other one while pieces are compared.
+const MOST_CROWDED: f64 = 4.0;
+
 /// What decides which patches lie where.
 pub(super) struct Choice<'a> {
     pub(super) planet: &'a Planet,
@@ -64,12 +67,15 @@ struct Wanted {
     column: i64,
     row: i64,
     light: [f32; 3],
-    encoded: [f32; 4],
 }
 
 /// The coarse colours around the centre of a patch.
 pub(super) struct Around {
     samples: Vec<Wanted>,
+    /// Of each sample, and alpha 1.
+    encoded: Vec<[f32; 4]>,
+    /// Mean of all, if all are there and there are several.
+    mean: Option<[f32; 4]>,
 }
 
 /// Coarse samples to either side with which a piece is compared, where patches are 2^`exponent` coarse
@@ -96,6 +102,8 @@ impl Around {
         let nearest = centre.floor().as_i64vec2();
         let rect = SampleRect::new(nearest - half, nearest + half.max(1));
         let mut samples = Vec::with_capacity(rect.area() as usize);
+        let mut encoded = Vec::with_capacity(rect.area() as usize);
+        let mut sum = [0.0; 4];
         for y in rect.min.y..rect.max.y {
             for x in rect.min.x..rect.max.x {
                 let sample = I64Vec2::new(x, y);
@@ -107,12 +115,21 @@ impl Around {
                         column: x - nearest.x,
                         row: if mirrored && half > 0 { -1 - row } else { row },
                         light: coarse.light.get(at),
-                        encoded: [r, g, b, 1.0],
                     });
+                    encoded.push([r, g, b, 1.0]);
+                    for (sum, v) in sum.iter_mut().zip([r, g, b, 1.0]) {
+                        *sum += v;
+                    }
                 }
             }
         }
-        (!samples.is_empty()).then_some(Self { samples })
+        let count = samples.len() as f32;
+        let all = half > 0 && samples.len() == rect.area() as usize;
+        (!samples.is_empty()).then_some(Self {
+            samples,
+            encoded,
+            mean: all.then(|| sum.map(|v| v / count)),
+        })
     }
 }
 
@@ -135,7 +152,12 @@ impl Shown {
             let steps = libm::round(libm::log2(v) * STEPS_TO_AN_OCTAVE);
             libm::exp2(steps / STEPS_TO_AN_OCTAVE) * scale
         };
-        DVec2::new(counted(step_m.x), counted(step_m.y))
+        // Next to a pole columns crowd; there, pieces are compared as if they crowded less.
+        let least_m = step_m.max_element() / MOST_CROWDED;
+        DVec2::new(
+            counted(step_m.x.max(least_m)),
+            counted(step_m.y.max(least_m)),
+        )
     }
 
     /// Whether it is what such coarse samples would show.
@@ -147,7 +169,8 @@ impl Shown {
         let half = half(exponent);
         let step_m = Self::counted(step_m, exponent);
         let least = (2 * half).max(1) as usize;
-        let reduce = |exemplar: &Arc<Exemplar>| exemplar.reduced(step_m.to_array(), least);
+        let reduce =
+            |exemplar: &Arc<Exemplar>| exemplar.reduced(step_m.to_array(), least, half as usize);
         Self {
             step_m,
             reach: 1 << exponent.max(0),
@@ -170,18 +193,39 @@ impl Shown {
 }
 
 impl Reduced {
+    /// What is added to the index of a place for the index of each of the samples around it.
+    fn offsets(&self, around: &Around) -> Vec<isize> {
+        let offset =
+            |sample: &Wanted| sample.row as isize * self.width as isize + sample.column as isize;
+        around.samples.iter().map(offset).collect()
+    }
+
+    /// Whether the sum of squared differences to the colours around a place is `limit` or more, as far
+    /// as means tell: it is at least their squared difference, so many times.
+    #[inline]
+    fn is_far(&self, at: usize, around: &Around, limit: f32) -> bool {
+        let Some(mean) = &around.mean else {
+            return false;
+        };
+        let shown = &self.means[at];
+        let squares: f32 = (0..3)
+            .map(|c| (shown[c] - mean[c]) * (shown[c] - mean[c]))
+            .sum();
+        squares * around.encoded.len() as f32 >= limit
+    }
+
     /// Sum of squared differences to the colours around a place, if it is below `limit`.
     #[inline]
-    fn difference(&self, column: i64, row: i64, around: &Around, limit: f32) -> Option<f32> {
+    fn difference(&self, at: usize, offsets: &[isize], around: &Around, limit: f32) -> Option<f32> {
         /// Samples after which the sum is looked at.
         const STRIDE: usize = 6;
         let mut sums = [0.0_f32; 4];
         let mut sum = 0.0;
-        for samples in around.samples.chunks(STRIDE) {
-            for sample in samples {
-                let shown = self.encoded[self.at(column + sample.column, row + sample.row)];
+        for (offsets, wanted) in offsets.chunks(STRIDE).zip(around.encoded.chunks(STRIDE)) {
+            for (offset, wanted) in offsets.iter().zip(wanted) {
+                let shown = self.encoded[at.wrapping_add_signed(*offset)];
                 for c in 0..4 {
-                    let off = shown[c] - sample.encoded[c];
+                    let off = shown[c] - wanted[c];
                     sums[c] += off * off;
                 }
             }
@@ -212,14 +256,20 @@ impl Choice<'_> {
         let exemplars = shown.exemplars.len();
         let each = (CANDIDATES / exemplars).max(LEAST_CANDIDATES);
         let mut best = (f32::INFINITY, 0, 0, 0);
-        for candidate in 0..each * exemplars {
-            let exemplar = candidate % exemplars;
-            let reduced = &shown.exemplars[exemplar];
-            let chance = scrambled(key.wrapping_add(candidate as u64));
-            let column = shown.drawn(reduced.width, chance >> 32);
-            let row = shown.drawn(reduced.height, chance);
-            if let Some(difference) = reduced.difference(column, row, around, best.0) {
-                best = (difference, exemplar, column, row);
+        for (exemplar, reduced) in shown.exemplars.iter().enumerate() {
+            let offsets = reduced.offsets(around);
+            for candidate in 0..each {
+                let number = exemplar * each + candidate;
+                let chance = scrambled(key.wrapping_add(number as u64));
+                let column = shown.drawn(reduced.width, chance >> 32);
+                let row = shown.drawn(reduced.height, chance);
+                let at = reduced.at(column, row);
+                if reduced.is_far(at, around, best.0) {
+                    continue;
+                }
+                if let Some(difference) = reduced.difference(at, &offsets, around, best.0) {
+                    best = (difference, exemplar, column, row);
+                }
             }
         }
         let (_, exemplar, column, row) = best;
@@ -248,10 +298,10 @@ impl Choice<'_> {
     ) -> Option<([f32; 4], [f32; 4])> {
         let per_sample = 1.0 / around.samples.len() as f32;
         let (mut off, mut wanted, mut mean) = ([0.0; 3], [0.0; 3], [0.0; 4]);
-        for sample in &around.samples {
+        for (sample, encoded) in around.samples.iter().zip(&around.encoded) {
             let at = reduced.at(column + sample.column, row + sample.row);
             for c in 0..3 {
-                off[c] += (reduced.encoded[at][c] - sample.encoded[c]) * per_sample;
+                off[c] += (reduced.encoded[at][c] - encoded[c]) * per_sample;
                 wanted[c] += sample.light[c] * per_sample;
                 mean[c] += reduced.light[at][c] * per_sample;
             }
@@ -313,19 +363,25 @@ mod tests {
         for key in 0..40_u64 {
             let (column, row) = (2 + key as i64 % 29, 2 + key as i64 / 3);
             let samples = (-2..2_i64).flat_map(|dy| (-2..2_i64).map(move |dx| (dx, dy)));
+            let (samples, encoded): (Vec<_>, Vec<_>) = samples
+                .map(|(dx, dy)| {
+                    let at = reduced.at(column + dx, row + dy);
+                    let [r, g, b, _] = reduced.light[at];
+                    let wanted = Wanted {
+                        column: dx,
+                        row: dy,
+                        light: [r, g, b],
+                    };
+                    (wanted, reduced.encoded[at])
+                })
+                .unzip();
+            let mean = reduced.means[reduced.at(column, row)];
+            let sum = encoded.iter().map(|v| v[0]).sum::<f32>();
+            assert!((mean[0] - sum / 16.0).abs() < 1e-6);
             let around = Around {
-                samples: samples
-                    .map(|(dx, dy)| {
-                        let at = reduced.at(column + dx, row + dy);
-                        let [r, g, b, _] = reduced.light[at];
-                        Wanted {
-                            column: dx,
-                            row: dy,
-                            light: [r, g, b],
-                            encoded: reduced.encoded[at],
-                        }
-                    })
-                    .collect(),
+                samples,
+                encoded,
+                mean: Some(mean),
             };
             let patch = choice
                 .best(&shown, &around, key << 20, [2.0, 2.0])

@@ -145,8 +145,9 @@ impl Exemplar {
         Some(mip)
     }
 
-    /// As samples of some size would show it, as many as fit but at least so many along a side.
-    pub(super) fn reduced(&self, step_m: [f64; 2], least: usize) -> Reduced {
+    /// As samples of some size would show it, as many as fit but at least `least` along a side; with
+    /// means over `half` samples to either side.
+    pub(super) fn reduced(&self, step_m: [f64; 2], least: usize, half: usize) -> Reduced {
         let spacing_m = (step_m[0] * step_m[1]).sqrt();
         let reader = self.reader(self.mip(spacing_m).unwrap_or(0));
         let extent_m = self.extent_m();
@@ -167,6 +168,7 @@ impl Exemplar {
             width,
             height,
             light: encoded.iter().map(|v| v.map(linear_from_srgb)).collect(),
+            means: means(&encoded, width, half),
             encoded,
         }
     }
@@ -193,6 +195,9 @@ pub(super) struct Reduced {
     pub(super) light: Vec<[f32; 4]>,
     /// The same, encoded.
     pub(super) encoded: Vec<[f32; 4]>,
+    /// Means of what is encoded over as many columns and rows before each sample as from it on, where
+    /// they are there.
+    pub(super) means: Vec<[f32; 4]>,
 }
 
 /// Reads an exemplar at one resolution.
@@ -242,6 +247,34 @@ impl Reader<'_> {
             north + ty * (south - north)
         })
     }
+}
+
+/// Means over `half` columns and rows to either side of each sample's north-west corner, along rows and
+/// then along columns; meaningless where they do not fit.
+fn means(samples: &[[f32; 4]], width: usize, half: usize) -> Vec<[f32; 4]> {
+    let along = |samples: &[[f32; 4]], stride: usize| -> Vec<[f32; 4]> {
+        let scale = 1.0 / (2 * half).max(1) as f32;
+        let mean = |at: usize| {
+            let (Some(first), end) = (at.checked_sub(half * stride), at + half * stride) else {
+                return samples[at];
+            };
+            if end > samples.len() {
+                return samples[at];
+            }
+            let mut sum = [0.0; 4];
+            for at in (first..end).step_by(stride) {
+                for (sum, v) in sum.iter_mut().zip(samples[at]) {
+                    *sum += v * scale;
+                }
+            }
+            sum
+        };
+        (0..samples.len()).map(mean).collect()
+    };
+    if half == 0 {
+        return samples.to_vec();
+    }
+    along(&along(samples, 1), width)
 }
 
 impl Mip {

@@ -305,7 +305,7 @@ fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
     });
     // With the noise of an exemplar without order, and with one that has nothing to add.
     let flat = exemplar([0.5; 3], |_, _| 0.0);
-    for (exemplars, most) in [(rough(), 1.1), (vec![flat], 1.05)] {
+    for exemplars in [rough(), vec![flat]] {
         let scene = Scene::new(rect.grow(16), imagery.clone(), exemplars, &params());
         for doublings in [2, 3, 4_u8] {
             let times = 1 << doublings;
@@ -324,7 +324,7 @@ fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
             }
             let (at_border, inside) = (at_border[0] / at_border[1], inside[0] / inside[1]);
             assert!(
-                at_border < most * inside,
+                at_border < 1.15 * inside,
                 "{at_border} {inside}, {doublings}"
             );
         }
@@ -338,9 +338,11 @@ fn there_is_no_seam_at_the_antimeridian() {
     let imagery = colours(rect.grow(16), |x, y, c| {
         0.4 + 0.004 * (x + y - 480_000) as f32 * (c as f32 - 1.0)
     });
-    let scene = Scene::new(rect.grow(16), imagery, rough(), &params());
+    // So smooth that patches which do not fit would show.
+    let wave = |at: i64| libm::sin(at as f64 * 0.3) as f32;
+    let smooth = exemplar([0.4; 3], move |x, y| 0.5 * wave(x) * wave(y));
+    let scene = Scene::new(rect.grow(16), imagery, vec![smooth], &params());
     let fine = scene.detailed(rect, 3);
-    // The difference across the antimeridian is like any other.
     let jump = |x: usize| {
         let steps = (0..fine.height()).map(|y| {
             let row = &fine.plane(0)[y * fine.width()..];
@@ -348,8 +350,9 @@ fn there_is_no_seam_at_the_antimeridian() {
         });
         steps.sum::<f64>()
     };
-    let (seam, usual) = (jump(128), (100..156).map(jump).sum::<f64>() / 56.0);
-    assert!(seam < 1.4 * usual && seam > 0.6 * usual, "{seam} {usual}");
+    let usual = (65..128).chain(129..192).map(jump).fold(0.0, f64::max);
+    assert!(jump(128) < usual, "{} {usual}", jump(128));
+    assert!(usual < 192.0 * 0.04 * 0.04, "{usual}");
     // And it is the same from the other side.
     let other = scene.detailed(SampleRect::at(around - 16, 480_000, 32, 24), 3);
     assert_eq!(other, fine);
