@@ -69,7 +69,7 @@ impl Default for ExampleDetailParams {
 ///
 /// - Lₖ₊₁ = U Lₖ + c (Fₖ₊₁ − U D Fₖ₊₁), in linear light
 ///
-/// where c ≤ 1 is lowered for two by two samples that would leave 0 to 1. Hence D Lₖ₊₁ = Lₖ up to
+/// where c ≤ 1 is lowered for two by two samples that would get darker than black or brighter than white. Hence D Lₖ₊₁ = Lₖ up to
 /// rounding at every step: reduced by the box, the result gives back the coarse imagery (the constraint
 /// of \[WM04\]) and every level the coarser one. A patch lies where, of some that chance names, it is
 /// the most like the coarse imagery around its centre, and takes on its mean colour. All is decided by

@@ -147,8 +147,9 @@ impl Field {
     /// `detail` is given over all that `self` covers; what of it `self` can show already (its own
     /// average interpolation) is left out. The result covers all samples of `self` but the outermost.
     ///
-    /// Values stay from 0 to 1 where theirs do: what would leave the range keeps its pattern and loses
-    /// contrast, two by two samples at a time and in all channels alike, so that the hue stays.
+    /// Values stay below 1 where theirs do, and above a share of theirs: what would leave the range keeps
+    /// its pattern and loses contrast, two by two samples at a time and in all channels alike, so that the
+    /// hue stays.
     pub(super) fn refined(&self, detail: Option<&Self>) -> Self {
         let inner = self.rect.grow(-1);
         let mut out = Self::new(covered(&inner));
@@ -178,15 +179,13 @@ impl Field {
         out
     }
 
-    /// The children of a sample by average interpolation alone. Next to a jump that overshoots: not
-    /// below half of the parent, or a dark line would run along every coast.
+    /// The children of a sample by average interpolation alone.
     #[inline(always)]
     fn smooth(&self, at: usize) -> [Quad; 3] {
         core::array::from_fn(|plane| {
             let parent = self.planes[plane][at];
             let rise = rise(&self.around(plane, at));
-            let (low, high) = range(parent);
-            let low = low.max(0.5 * parent).min(parent);
+            let (low, high) = range(parent, SMOOTH_SHARE);
             let kept = rise.iter().fold(1.0_f32, |kept, rise| {
                 kept.min(share(parent, *rise, low, high))
             });
@@ -213,7 +212,7 @@ impl Field {
             let mean = means.planes[plane][at];
             let rise = rise(&means.around(plane, at));
             let change: Quad = core::array::from_fn(|k| (quad[k] - mean) - rise[k]);
-            let (low, high) = range(self.planes[plane][at]);
+            let (low, high) = range(self.planes[plane][at], DETAIL_SHARE);
             for (change, child) in change.iter().zip(&children[plane]) {
                 kept = kept.min(share(*child, *change, low.min(*child), high.max(*child)));
             }
@@ -227,10 +226,19 @@ impl Field {
     }
 }
 
-/// Where children of a value may lie: from 0 to 1, brighter ones up to twice as far above 1.
+/// Least share of a value that its children have by average interpolation, which overshoots next to a
+/// jump: a dark line would run along every coast.
+const SMOOTH_SHARE: f32 = 0.5;
+
+/// Least share of a value that its children have with detail: a channel that reached 0 would leave a
+/// colour that no ground has.
+const DETAIL_SHARE: f32 = 0.125;
+
+/// Where children of a value may lie: from a share of it to 1, for brighter ones up to twice as far
+/// above 1 as they are. What is negative has no darker children.
 #[inline(always)]
-fn range(parent: f32) -> (f32, f32) {
-    (parent.min(0.0), (2.0 * parent - 1.0).max(1.0))
+fn range(parent: f32, share: f32) -> (f32, f32) {
+    (parent.min(share * parent), (2.0 * parent - 1.0).max(1.0))
 }
 
 #[cfg(test)]
