@@ -15,9 +15,9 @@ use relievo_raster::{Bands, Block};
 
 use crate::node::{Artefact, Made};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
-use choice::Choice;
+use choice::{Choice, Kept};
 use coarse::{Coarse, CoarseColours, Nesting};
-pub use exemplar::{Exemplar, ExemplarError, LEAST_SAMPLES};
+pub use exemplar::{Exemplar, ExemplarError, LEAST_SAMPLES, MOST_SAMPLES};
 use field::{Field, covered, covering};
 use patches::{MARGIN, Patches};
 
@@ -69,11 +69,11 @@ impl Default for ExampleDetailParams {
 ///
 /// - Lₖ₊₁ = U Lₖ + c (Fₖ₊₁ − U D Fₖ₊₁), in linear light
 ///
-/// where c ≤ 1 is lowered for two by two samples that would get darker than black or brighter than white. Hence D Lₖ₊₁ = Lₖ up to
-/// rounding at every step: reduced by the box, the result gives back the coarse imagery (the constraint
-/// of \[WM04\]) and every level the coarser one. A patch lies where, of some that chance names, it is
-/// the most like the coarse imagery around its centre, and takes on its mean colour. All is decided by
-/// global integer indices: any tile is made alone.
+/// where c ≤ 1 is lowered for two by two samples that would get darker than ground is or brighter than
+/// white. Hence D Lₖ₊₁ = Lₖ up to rounding at every step: reduced by the box, the result gives back the
+/// coarse imagery (the constraint of \[WM04\]) and every level the coarser one. A patch lies where, of
+/// some that chance names, it is the most like the coarse imagery around its centre, and its contrast is
+/// in proportion to the light there. All is decided by global integer indices: any tile is made alone.
 ///
 /// Alpha is the input's. Where the input or the coarse colours are transparent, the result is the
 /// input; elsewhere input and result are mixed by the mask in linear light, and the constraint holds
@@ -87,6 +87,7 @@ pub struct ExampleDetail {
     masked: bool,
     /// Of all of the above.
     name: ContentId,
+    kept: Arc<Kept>,
 }
 
 /// The rectangles that are refined from one to the next, coarse first: what is needed after each step
@@ -135,6 +136,7 @@ impl ExampleDetail {
             exemplars,
             masked,
             name: name.finish(),
+            kept: Arc::default(),
         }
     }
 
@@ -168,6 +170,7 @@ impl ExampleDetail {
             seed: self.params.seed,
             strength: self.params.strength as f32,
             tolerance: self.params.tolerance as f32,
+            kept: &self.kept,
         };
         let steps = steps(job.grid.rect, nesting.doublings);
         let patches = Patches::new(&choice, nesting, coarse, &steps[0])?;

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use glam::{DVec2, I64Vec2};
+use parking_lot::Mutex;
 use relievo_planet::{Planet, SampleRect};
+use relievo_raster::colour::linear_from_srgb;
 
 use super::super::noise::scrambled;
 use super::coarse::Coarse;
@@ -25,6 +27,9 @@ const STEPS_TO_AN_OCTAVE: f64 = 32.0;
 /// Most that a side of a sample is longer than the other one while pieces are compared.
 const MOST_CROWDED: f64 = 4.0;
 
+/// Sizes of coarse samples for which reduced exemplars are kept: those of neighbouring latitudes.
+const MOST_KEPT: usize = 8;
+
 /// What decides which patches lie where.
 pub(super) struct Choice<'a> {
     pub(super) planet: &'a Planet,
@@ -32,6 +37,27 @@ pub(super) struct Choice<'a> {
     pub(super) seed: u64,
     pub(super) strength: f32,
     pub(super) tolerance: f32,
+    pub(super) kept: &'a Kept,
+}
+
+/// Reduced exemplars that tiles share; what is kept decides how long a tile takes and nothing else.
+#[derive(Debug, Default)]
+pub(super) struct Kept(Mutex<Vec<Arc<Shown>>>);
+
+impl Kept {
+    /// The exemplars as coarse samples of the size `step_m` would show them.
+    pub(super) fn shown(&self, choice: &Choice, step_m: DVec2, exponent: i32) -> Arc<Shown> {
+        let is_it = |shown: &&Arc<Shown>| shown.is_for(step_m, exponent);
+        if let Some(shown) = self.0.lock().iter().find(is_it) {
+            return Arc::clone(shown);
+        }
+        // Not while others wait; two that make the same make the same.
+        let new = Arc::new(Shown::new(choice, step_m, exponent));
+        let mut kept = self.0.lock();
+        kept.insert(0, Arc::clone(&new));
+        kept.truncate(MOST_KEPT);
+        new
+    }
 }
 
 /// A piece of an exemplar, laid around a centre.
@@ -134,9 +160,11 @@ impl Around {
 }
 
 /// The exemplars as coarse samples of some size would show them.
+#[derive(Debug)]
 pub(super) struct Shown {
     /// From sample to sample.
     step_m: DVec2,
+    exponent: i32,
     /// Samples from the centre of a patch to its border.
     reach: i64,
     half: i64,
@@ -162,10 +190,10 @@ impl Shown {
 
     /// Whether it is what such coarse samples would show.
     pub(super) fn is_for(&self, step_m: DVec2, exponent: i32) -> bool {
-        self.step_m == Self::counted(step_m, exponent)
+        self.exponent == exponent && self.step_m == Self::counted(step_m, exponent)
     }
 
-    pub(super) fn new(choice: &Choice, step_m: DVec2, exponent: i32) -> Self {
+    fn new(choice: &Choice, step_m: DVec2, exponent: i32) -> Self {
         let half = half(exponent);
         let step_m = Self::counted(step_m, exponent);
         let least = (2 * half).max(1) as usize;
@@ -173,6 +201,7 @@ impl Shown {
             |exemplar: &Arc<Exemplar>| exemplar.reduced(step_m.to_array(), least, half as usize);
         Self {
             step_m,
+            exponent,
             reach: 1 << exponent.max(0),
             half,
             exemplars: choice.exemplars.iter().map(reduce).collect(),
@@ -188,7 +217,7 @@ impl Shown {
         if first > last {
             return (places - 1) / 2;
         }
-        first + ((chance & 0xFFFF_FFFF) * (last - first + 1) as u64 >> 32) as i64
+        first + (((chance & 0xFFFF_FFFF) * (last - first + 1) as u64) >> 32) as i64
     }
 }
 
@@ -303,7 +332,7 @@ impl Choice<'_> {
             for c in 0..3 {
                 off[c] += (reduced.encoded[at][c] - encoded[c]) * per_sample;
                 wanted[c] += sample.light[c] * per_sample;
-                mean[c] += reduced.light[at][c] * per_sample;
+                mean[c] += linear_from_srgb(reduced.encoded[at][c]) * per_sample;
             }
         }
         let off = off.iter().map(|v| v * v).sum::<f32>().sqrt();
@@ -342,8 +371,9 @@ mod tests {
         Arc::new(Exemplar::new(&colours, 1.0).expect("colours"))
     }
 
-    fn choice(exemplars: &[Arc<Exemplar>]) -> Choice<'_> {
+    fn choice<'a>(exemplars: &'a [Arc<Exemplar>], kept: &'a Kept) -> Choice<'a> {
         Choice {
+            kept,
             planet: &Planet::EARTH,
             exemplars,
             seed: 1,
@@ -355,7 +385,8 @@ mod tests {
     #[test]
     fn a_piece_that_is_there_exactly_is_found_when_chance_names_it() {
         let exemplars = [exemplar()];
-        let choice = choice(&exemplars);
+        let kept = Kept::default();
+        let choice = choice(&exemplars, &kept);
         let shown = Shown::new(&choice, DVec2::splat(2.0), 1);
         // 32 × 24 reduced samples, between which 29 × 21 places can be drawn.
         let reduced = &shown.exemplars[0];
@@ -366,7 +397,7 @@ mod tests {
             let (samples, encoded): (Vec<_>, Vec<_>) = samples
                 .map(|(dx, dy)| {
                     let at = reduced.at(column + dx, row + dy);
-                    let [r, g, b, _] = reduced.light[at];
+                    let [r, g, b, _] = reduced.encoded[at].map(linear_from_srgb);
                     let wanted = Wanted {
                         column: dx,
                         row: dy,
@@ -395,11 +426,35 @@ mod tests {
         assert!((8..28).contains(&found), "{found}");
     }
 
+    #[test]
+    fn what_is_kept_is_what_was_asked_for() {
+        let exemplars = [exemplar()];
+        let kept = Kept::default();
+        let choice = choice(&exemplars, &kept);
+        for round in 0..3 {
+            for step in 0..20 {
+                let step_m = DVec2::new(2.0 + f64::from(step) * 0.1, 3.0);
+                for exponent in [0, 2] {
+                    let shown = kept.shown(&choice, step_m, exponent);
+                    let new = Shown::new(&choice, step_m, exponent);
+                    assert_eq!(
+                        shown.exemplars[0].encoded, new.exemplars[0].encoded,
+                        "{round}"
+                    );
+                    assert_eq!((shown.reach, shown.half), (new.reach, new.half));
+                    assert!(Arc::ptr_eq(&shown, &kept.shown(&choice, step_m, exponent)));
+                }
+            }
+        }
+        assert_eq!(kept.0.lock().len(), MOST_KEPT);
+    }
+
     proptest! {
         #[test]
         fn places_are_drawn_where_a_patch_fits(side in 1..200_usize, chance: u64, exponent in -3..3_i32) {
             let exemplars = [exemplar()];
-            let shown = Shown::new(&choice(&exemplars), DVec2::splat(6.0), exponent);
+            let kept = Kept::default();
+            let shown = Shown::new(&choice(&exemplars, &kept), DVec2::splat(6.0), exponent);
             let place = shown.drawn(side, chance);
             let end = if exponent > 0 { side as i64 } else { side as i64 - 1 };
             prop_assert!((0..=end).contains(&place));

@@ -17,6 +17,9 @@ pub const LEAST_SAMPLES: usize = 8;
 /// Source: \[BTU04\].
 const SHIFT: f32 = 0.211_324_87;
 
+/// Most samples of an exemplar, which takes 43 bytes for each: 180 MB.
+pub const MOST_SAMPLES: usize = 1 << 22;
+
 /// Largest spacing of an exemplar in metres; more than a planet has.
 const MOST_SPACING_M: f64 = 1e9;
 
@@ -34,6 +37,16 @@ pub enum ExemplarError {
         "an exemplar has at least {LEAST_SAMPLES} samples along a side, this one has {width} × {height}"
     )]
     Size {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// There is too much of it.
+    #[error(
+        "an exemplar has at most {MOST_SAMPLES} samples, this one has {width} × {height}: a typical part will do"
+    )]
+    Large {
         /// Columns.
         width: usize,
         /// Rows.
@@ -86,6 +99,9 @@ impl Exemplar {
         }
         if width.min(height) < LEAST_SAMPLES {
             return Err(ExemplarError::Size { width, height });
+        }
+        if width * height > MOST_SAMPLES {
+            return Err(ExemplarError::Large { width, height });
         }
         if !(spacing_m > 0.0 && spacing_m <= MOST_SPACING_M) {
             return Err(ExemplarError::Spacing { spacing_m });
@@ -167,7 +183,6 @@ impl Exemplar {
         Reduced {
             width,
             height,
-            light: encoded.iter().map(|v| v.map(linear_from_srgb)).collect(),
             means: means(&encoded, width, half),
             encoded,
         }
@@ -188,12 +203,11 @@ impl Exemplar {
 }
 
 /// An exemplar as coarse samples would show it.
+#[derive(Debug)]
 pub(super) struct Reduced {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// Red, green, blue in linear light, and alpha 1.
-    pub(super) light: Vec<[f32; 4]>,
-    /// The same, encoded.
+    /// Red, green, blue as the eye has them, nearly: encoded; and alpha 1.
     pub(super) encoded: Vec<[f32; 4]>,
     /// Means of what is encoded over as many columns and rows before each sample as from it on, where
     /// they are there.
@@ -408,6 +422,11 @@ mod tests {
                 found: Bands::Height
             })
         );
+        let large = Block::new(Bands::Colour, 2049, 2048);
+        assert!(matches!(
+            Exemplar::new(&large, 1.0),
+            Err(ExemplarError::Large { .. })
+        ));
         let mut nothing = Block::filled(Bands::Colour, 9, 9, &[f32::NAN, 0.5, 0.5, 1.0]);
         assert_eq!(
             Exemplar::new(&nothing, 1.0).err(),

@@ -158,10 +158,10 @@ impl Field {
             (detail, detail.reduced())
         });
         let width = out.rect.width() as usize;
-        for y in inner.min.y..inner.max.y {
-            let mut at = self.at(I64Vec2::new(inner.min.x, y));
-            let mut to = (y - inner.min.y) as usize * 2 * width;
-            for _ in 0..inner.width() {
+        for (row, y) in (inner.min.y..inner.max.y).enumerate() {
+            let first = self.at(I64Vec2::new(inner.min.x, y));
+            for column in 0..inner.width() as usize {
+                let (at, to) = (first + column, 2 * row * width + 2 * column);
                 let mut children = self.smooth(at);
                 if let Some((detail, means)) = &means {
                     self.add(detail, means, at, &mut children);
@@ -172,8 +172,6 @@ impl Field {
                     plane[to + width] = quad[2];
                     plane[to + width + 1] = quad[3];
                 }
-                at += 1;
-                to += 2;
             }
         }
         out

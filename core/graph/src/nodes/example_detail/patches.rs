@@ -121,7 +121,8 @@ pub(super) struct Patches<'a> {
     centres: Centres,
     /// Columns and rows of patches.
     rect: SampleRect,
-    patches: Vec<Option<Patch>>,
+    /// Row by row.
+    chosen: Vec<Option<Patch>>,
 }
 
 impl<'a> Patches<'a> {
@@ -139,7 +140,7 @@ impl<'a> Patches<'a> {
             nesting,
             centres,
             rect: SampleRect::default(),
-            patches: Vec::new(),
+            chosen: Vec::new(),
         };
         let Some(first) = (1..=nesting.doublings).find(|doublings| all.shows(*doublings)) else {
             return Ok(all);
@@ -164,7 +165,7 @@ impl<'a> Patches<'a> {
         for row in all.rect.min.y..all.rect.max.y {
             for column in all.rect.min.x..all.rect.max.x {
                 let patch = all.choose(&ground, &mut shown, coarse, (column, row));
-                all.patches.push(patch);
+                all.chosen.push(patch);
             }
         }
         Ok(all)
@@ -201,7 +202,7 @@ impl<'a> Patches<'a> {
     fn choose(
         &self,
         ground: &Ground,
-        shown: &mut Option<Shown>,
+        shown: &mut Option<Arc<Shown>>,
         coarse: &Coarse,
         (column, row): (i64, i64),
     ) -> Option<Patch> {
@@ -210,8 +211,10 @@ impl<'a> Patches<'a> {
         let place = self.centres.place(column, row);
         let centre = self.centres.centre(column, row);
         let around = Around::new(coarse, centre, exponent, place.mirrored)?;
-        let kept = shown.take().filter(|shown| shown.is_for(step_m, exponent));
-        let shown = shown.insert(kept.unwrap_or_else(|| Shown::new(choice, step_m, exponent)));
+        // Mostly that of the patch before.
+        let last = shown.take().filter(|shown| shown.is_for(step_m, exponent));
+        let shown =
+            shown.insert(last.unwrap_or_else(|| choice.kept.shown(choice, step_m, exponent)));
         let key = scrambled(scrambled(choice.seed).wrapping_add(place.row as u64));
         let key = scrambled(key.wrapping_add(place.column as u64));
         let south = if place.mirrored { -1.0 } else { 1.0 };
@@ -220,7 +223,7 @@ impl<'a> Patches<'a> {
 
     fn get(&self, column: i64, row: i64) -> Option<&Patch> {
         let from = I64Vec2::new(column, row) - self.rect.min;
-        self.patches[(from.y * self.rect.width() + from.x) as usize].as_ref()
+        self.chosen[(from.y * self.rect.width() + from.x) as usize].as_ref()
     }
 
     /// The light of the patches on the samples `rect` after some doublings, less the mean of each;
@@ -230,7 +233,7 @@ impl<'a> Patches<'a> {
     /// (\[HN18\]; \[Bur19\] for sharper weights).
     pub(super) fn light(&self, doublings: u32, rect: &SampleRect) -> Option<Field> {
         let apart = self.centres.apart(doublings)?;
-        if !self.shows(doublings) || self.patches.iter().all(Option::is_none) {
+        if !self.shows(doublings) || self.chosen.iter().all(Option::is_none) {
             return None;
         }
         let mut out = Field::new(*rect);
