@@ -114,6 +114,14 @@ fn between(sample: i64, apart: i64, moved: bool) -> (i64, i64) {
     (from.div_euclid(apart), from.rem_euclid(apart))
 }
 
+/// A line of samples onto which patches are added.
+struct Line {
+    /// Weighted light.
+    light: Vec<[f32; 4]>,
+    /// The sums of squares of weights.
+    squares: Vec<f32>,
+}
+
 /// All patches that some samples need.
 pub(super) struct Patches<'a> {
     choice: &'a Choice<'a>,
@@ -238,9 +246,13 @@ impl<'a> Patches<'a> {
         }
         let mut out = Field::new(*rect);
         let width = rect.width() as usize;
-        let mut line = vec![[0.0; 4]; width];
+        let mut line = Line {
+            light: vec![[0.0; 4]; width],
+            squares: vec![0.0; width],
+        };
         for y in rect.min.y..rect.max.y {
-            line.fill([0.0; 4]);
+            line.light.fill([0.0; 4]);
+            line.squares.fill(0.0);
             let (row, beyond) = between(y, apart, false);
             let beyond = beyond as f32 + 0.5;
             for (row, south) in [(row, beyond), (row + 1, beyond - apart as f32)] {
@@ -250,7 +262,7 @@ impl<'a> Patches<'a> {
                 }
             }
             let first = (y - rect.min.y) as usize * width;
-            for (i, [r, g, b, squares]) in line.iter().enumerate() {
+            for (i, ([r, g, b, _], squares)) in line.light.iter().zip(&line.squares).enumerate() {
                 let scale = 1.0 / squares.sqrt();
                 out.set(first + i, [r * scale, g * scale, b * scale]);
             }
@@ -258,14 +270,14 @@ impl<'a> Patches<'a> {
         Some(out)
     }
 
-    /// Adds a row of patches to a line of samples: weighted light, and the squares of weights.
+    /// Adds a row of patches to a line of samples.
     fn add_row(
         &self,
         doublings: u32,
         apart: i64,
         (row, south, row_weight): (i64, f32, f32),
         rect: &SampleRect,
-        line: &mut [[f32; 4]],
+        line: &mut Line,
     ) {
         let moved = self.centres.moved(row);
         let spacing_m = self.spacing_m(doublings);
@@ -276,13 +288,14 @@ impl<'a> Patches<'a> {
             // Samples up to the next centre lie between the same two patches.
             let (column, beyond) = between(x, apart, moved);
             let end = (x + apart - beyond).min(rect.max.x);
-            let span = &mut line[(x - rect.min.x) as usize..(end - rect.min.x) as usize];
+            let span = (x - rect.min.x) as usize..(end - rect.min.x) as usize;
+            let (sums, squares) = (&mut line.light[span.clone()], &mut line.squares[span]);
             for (column, from) in [(column, beyond), (column + 1, beyond - apart)] {
                 let shown = self.get(column, row).and_then(|patch| {
                     let exemplar = &self.choice.exemplars[patch.exemplar];
                     Some((patch, exemplar.reader(exemplar.mip(spacing_m)?)))
                 });
-                for (i, sum) in span.iter_mut().enumerate() {
+                for (i, (sum, squares)) in sums.iter_mut().zip(&mut *squares).enumerate() {
                     let east = (from + i as i64) as f32 + 0.5;
                     let weight = row_weight * (1.0 - east.abs() * per_apart) - LEAST_WEIGHT;
                     if weight <= 0.0 {
@@ -292,11 +305,12 @@ impl<'a> Patches<'a> {
                     if let Some((patch, reader)) = &shown {
                         let from_centre = [east * per_coarse, south * per_coarse];
                         let light = reader.light(patch.at(from_centre, reader.per_metre));
-                        for c in 0..3 {
+                        // The gain of alpha is 0.
+                        for c in 0..4 {
                             sum[c] += weight * (patch.gain[c] * (light[c] - patch.mean[c]));
                         }
                     }
-                    sum[3] += weight * weight;
+                    *squares += weight * weight;
                 }
             }
             x = end;
