@@ -168,6 +168,82 @@ proptest! {
 }
 
 #[test]
+fn far_below_the_resolution_of_the_exemplars_the_constraint_still_holds() {
+    let rect = SampleRect::at(1_300_000, 250_000, 3, 2);
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 2), rough(), &params());
+    let coarse = scene.at(scene.input, COARSE, rect);
+    let error = largest_error(&scene.detailed(rect, 8), 256, &coarse);
+    assert!(error < 1.5e-5, "{error:e}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn a_piece_made_alone_is_part_of_the_whole(
+        x in 0..320_i64, y in 0..320_i64, width in 1..120_i64, height in 1..120_i64, doublings in 1..6_u8,
+    ) {
+        // Across squares in which coarse colours are read, so that pieces read other ones.
+        let rect = SampleRect::at(640_000 - 20, 320_000 - 20, 40, 40);
+        let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 7), rough(), &params());
+        let level = finer(COARSE, doublings);
+        let centre = (rect.min + 20) * (1 << doublings);
+        let whole = SampleRect::new(centre - 220, centre + 220);
+        let piece = SampleRect::at(whole.min.x + x, whole.min.y + y, width, height);
+        let alone = scene.at(scene.output, level, piece);
+        let mut part = Block::new(Bands::Colour, width as usize, height as usize);
+        let size = (width as usize, height as usize);
+        part.copy_from(&scene.at(scene.output, level, whole), (x as usize, y as usize), (0, 0), size);
+        prop_assert!(alone == part);
+    }
+}
+
+#[test]
+fn everything_that_decides_is_part_of_the_name() {
+    let grid = TileKey::new(finer(COARSE, 2), 9000, 5000)
+        .expect("inside")
+        .grid();
+    let name = |planet: Planet, params: ExampleDetailParams, exemplars, masked| {
+        let mut id = IdHasher::default();
+        ExampleDetail::new(planet, &params, exemplars, masked).identify(&grid, &mut id);
+        id.finish()
+    };
+    let with = |change: fn(&mut ExampleDetailParams)| {
+        let mut params = params();
+        change(&mut params);
+        name(Planet::EARTH, params, rough(), false)
+    };
+    let same_elsewhere = Exemplar::new(&varied(SampleRect::at(0, 0, 96, 96), 1), 2.5);
+    let sparser = Exemplar::new(&varied(SampleRect::at(0, 0, 96, 96), 1), 2.6);
+    let one =
+        |exemplar: Result<Exemplar, ExemplarError>| vec![Arc::new(exemplar.expect("colours"))];
+    let turned = rough().into_iter().rev().collect();
+    let names = [
+        with(|_| {}),
+        with(|p| p.seed = 1),
+        with(|p| p.strength = 0.5),
+        with(|p| p.tolerance = 0.2),
+        with(|p| p.coarse_spacing_m *= 3.0),
+        name(Planet::EARTH, params(), rough(), true),
+        name(Planet::MARS, params(), rough(), false),
+        name(Planet::EARTH, params(), one(same_elsewhere), false),
+        name(Planet::EARTH, params(), one(sparser), false),
+        name(Planet::EARTH, params(), turned, false),
+    ];
+    let distinct: std::collections::BTreeSet<_> = names.iter().collect();
+    assert_eq!(distinct.len(), names.len());
+    // What no number can mean counts as what it is clamped to.
+    assert_eq!(
+        with(|p| p.strength = 1e9),
+        with(|p| p.strength = MOST_STRENGTH)
+    );
+    assert_eq!(
+        with(|p| p.tolerance = f64::NAN),
+        with(|p| p.tolerance = -1.0)
+    );
+}
+
+#[test]
 fn what_8_bit_tiles_reduce_to_is_off_by_no_more_than_half_a_step() {
     let rect = SampleRect::at(700_000, 400_000, 24, 24);
     let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 3), rough(), &params());
