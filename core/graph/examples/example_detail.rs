@@ -4,7 +4,8 @@
 //!
 //! The aerial photograph is reduced to an eighth of its resolution and refined again after pieces of its
 //! other half. The picture shows the coarse imagery, what is made of it without and with exemplars, and
-//! the truth. Printed are the error of the constraint and the time of a sample.
+//! the truth. Any opaque picture of some hundred samples will do. Printed are the error of the constraint
+//! and the time of a sample.
 
 #![expect(clippy::print_stdout, reason = "a program for the terminal")]
 
