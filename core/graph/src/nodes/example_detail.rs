@@ -1,10 +1,12 @@
 //! Colours finer than imagery has them, after examples.
 
+mod around;
 mod choice;
 mod coarse;
 mod exemplar;
 mod field;
 mod patches;
+mod shown;
 
 use std::sync::Arc;
 
@@ -15,11 +17,12 @@ use relievo_raster::{Bands, Block};
 
 use crate::node::{Artefact, Made};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
-use choice::{Choice, Kept};
+use choice::Choice;
 use coarse::{Coarse, CoarseColours, Nesting};
 pub use exemplar::{Exemplar, ExemplarError, LEAST_SAMPLES, MOST_SAMPLES};
 use field::{Field, covered, covering};
 use patches::{MARGIN, Patches};
+use shown::Kept;
 
 const KIND: &str = "example detail";
 

@@ -161,33 +161,6 @@ impl Exemplar {
         Some(mip)
     }
 
-    /// As samples of some size would show it, as many as fit but at least `least` along a side; with
-    /// means over `half` samples to either side.
-    pub(super) fn reduced(&self, step_m: [f64; 2], least: usize, half: usize) -> Reduced {
-        let spacing_m = (step_m[0] * step_m[1]).sqrt();
-        let reader = self.reader(self.mip(spacing_m).unwrap_or(0));
-        let extent_m = self.extent_m();
-        let [width, height] = [0, 1].map(|axis| {
-            // Not one less for rounding.
-            let fit = libm::floor(extent_m[axis] / step_m[axis] + 1e-6);
-            (fit as usize).max(least)
-        });
-        let step = step_m.map(|step_m| step_m as f32 * reader.per_metre);
-        let mut encoded = Vec::with_capacity(width * height);
-        for row in 0..height {
-            for column in 0..width {
-                let at = [column, row].map(|i| i as f32 + 0.5);
-                encoded.push(reader.encoded([at[0] * step[0], at[1] * step[1]]));
-            }
-        }
-        Reduced {
-            width,
-            height,
-            means: means(&encoded, width, half),
-            encoded,
-        }
-    }
-
     /// How places in metres from the exemplar's north-west corner are read at a resolution.
     pub(super) fn reader(&self, mip: usize) -> Reader<'_> {
         let at = &self.mips[mip];
@@ -200,18 +173,6 @@ impl Exemplar {
             per_metre: (1.0 / spacing_m) as f32,
         }
     }
-}
-
-/// An exemplar as coarse samples would show it.
-#[derive(Debug)]
-pub(super) struct Reduced {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    /// Red, green, blue as the eye has them, nearly: encoded; and alpha 1.
-    pub(super) encoded: Vec<[f32; 4]>,
-    /// Means of what is encoded over as many columns and rows before each sample as from it on, where
-    /// they are there.
-    pub(super) means: Vec<[f32; 4]>,
 }
 
 /// Reads an exemplar at one resolution.
@@ -261,34 +222,6 @@ impl Reader<'_> {
             north + ty * (south - north)
         })
     }
-}
-
-/// Means over `half` columns and rows to either side of each sample's north-west corner, along rows and
-/// then along columns; meaningless where they do not fit.
-fn means(samples: &[[f32; 4]], width: usize, half: usize) -> Vec<[f32; 4]> {
-    let along = |samples: &[[f32; 4]], stride: usize| -> Vec<[f32; 4]> {
-        let scale = 1.0 / (2 * half).max(1) as f32;
-        let mean = |at: usize| {
-            let (Some(first), end) = (at.checked_sub(half * stride), at + half * stride) else {
-                return samples[at];
-            };
-            if end > samples.len() {
-                return samples[at];
-            }
-            let mut sum = [0.0; 4];
-            for at in (first..end).step_by(stride) {
-                for (sum, v) in sum.iter_mut().zip(samples[at]) {
-                    *sum += v * scale;
-                }
-            }
-            sum
-        };
-        (0..samples.len()).map(mean).collect()
-    };
-    if half == 0 {
-        return samples.to_vec();
-    }
-    along(&along(samples, 1), width)
 }
 
 impl Mip {

@@ -11,10 +11,12 @@ use relievo_planet::{GridCrs, MapPoint, SampleRect};
 
 use super::super::ground::Ground;
 use super::super::noise::scrambled;
-use super::choice::{Around, Choice, Patch, Shown};
+use super::around::Around;
+use super::choice::{Choice, Patch};
 use super::coarse::{Coarse, Nesting, rows_between_poles};
 use super::exemplar::Exemplar;
 use super::field::Field;
+use super::shown::Shown;
 use crate::RenderError;
 
 /// Coarse samples beyond the wanted ones that decide which patches are chosen: the centre of a patch
