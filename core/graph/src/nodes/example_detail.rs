@@ -107,7 +107,8 @@ fn steps(rect: SampleRect, doublings: u32) -> Vec<SampleRect> {
 }
 
 impl ExampleDetail {
-    /// `masked` says whether there is a second input.
+    /// `masked` says whether there is a second input. Exemplars that are no finer than the coarse
+    /// lattice have nothing to show.
     pub fn new(
         planet: Planet,
         params: &ExampleDetailParams,
@@ -167,9 +168,13 @@ impl ExampleDetail {
 
     /// Colours of a rectangle or a little more in linear light.
     fn refined(&self, job: &Job, nesting: &Nesting, coarse: &Coarse) -> Result<Field, RenderError> {
+        // Those that are finer than the coarse colours.
+        let first_m = nesting.spacing_m / 2.0;
+        let fine = self.exemplars.iter().filter(|e| e.mip(first_m).is_some());
+        let fine: Vec<Arc<Exemplar>> = fine.cloned().collect();
         let choice = Choice {
             planet: &self.planet,
-            exemplars: &self.exemplars,
+            exemplars: &fine,
             seed: self.params.seed,
             strength: self.params.strength as f32,
             tolerance: self.params.tolerance as f32,

@@ -86,12 +86,13 @@ impl Choice<'_> {
             }
         }
         let (_, exemplar, column, row) = best;
+        let reduced = &shown.exemplars[exemplar];
         let centre = if shown.half > 0 { 0.0 } else { 0.5 };
         let centre_m = [
-            (column as f64 + centre) * shown.step_m.x,
-            (row as f64 + centre) * shown.step_m.y,
+            (column as f64 + centre) * reduced.step_m[0],
+            (row as f64 + centre) * reduced.step_m[1],
         ];
-        let (mean, gain) = self.matched(&shown.exemplars[exemplar], column, row, around)?;
+        let (mean, gain) = self.matched(reduced, column, row, around)?;
         Some(Patch {
             exemplar,
             centre_m: centre_m.map(|v| v as f32),

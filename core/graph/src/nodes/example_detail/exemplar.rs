@@ -17,8 +17,8 @@ pub const LEAST_SAMPLES: usize = 8;
 /// Source: \[BTU04\].
 const SHIFT: f32 = 0.211_324_87;
 
-/// Most samples of an exemplar, which takes 43 bytes for each: 180 MB.
-pub const MOST_SAMPLES: usize = 1 << 22;
+/// Most samples of an exemplar, which takes 43 bytes for each: 45 MB.
+pub const MOST_SAMPLES: usize = 1 << 20;
 
 /// Largest spacing of an exemplar in metres; more than a planet has.
 const MOST_SPACING_M: f64 = 1e9;
@@ -355,7 +355,7 @@ mod tests {
                 found: Bands::Height
             })
         );
-        let large = Block::new(Bands::Colour, 2049, 2048);
+        let large = Block::new(Bands::Colour, 1025, 1024);
         assert!(matches!(
             Exemplar::new(&large, 1.0),
             Err(ExemplarError::Large { .. })

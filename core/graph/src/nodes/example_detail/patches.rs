@@ -222,7 +222,9 @@ impl<'a> Patches<'a> {
         let centre = self.centres.centre(column, row);
         let around = Around::new(coarse, centre, exponent, place.mirrored)?;
         // Mostly that of the patch before.
-        let last = shown.take().filter(|shown| shown.is_for(step_m, exponent));
+        let last = shown
+            .take()
+            .filter(|shown| shown.is_for(choice, step_m, exponent));
         let shown =
             shown.insert(last.unwrap_or_else(|| choice.kept.shown(choice, step_m, exponent)));
         let key = scrambled(scrambled(choice.seed).wrapping_add(place.row as u64));

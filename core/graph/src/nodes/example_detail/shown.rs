@@ -17,7 +17,7 @@ const STEPS_TO_AN_OCTAVE: f64 = 32.0;
 const MOST_CROWDED: f64 = 4.0;
 
 /// Sizes of coarse samples for which reduced exemplars are kept: those of neighbouring latitudes.
-const MOST_KEPT: usize = 8;
+const MOST_KEPT: usize = 4;
 
 /// Reduced exemplars that tiles share; what is kept decides how long a tile takes and nothing else.
 #[derive(Debug, Default)]
@@ -26,7 +26,7 @@ pub(super) struct Kept(Mutex<Vec<Arc<Shown>>>);
 impl Kept {
     /// The exemplars as coarse samples of the size `step_m` would show them.
     pub(super) fn shown(&self, choice: &Choice, step_m: DVec2, exponent: i32) -> Arc<Shown> {
-        let is_it = |shown: &&Arc<Shown>| shown.is_for(step_m, exponent);
+        let is_it = |shown: &&Arc<Shown>| shown.is_for(choice, step_m, exponent);
         if let Some(shown) = self.0.lock().iter().find(is_it) {
             return Arc::clone(shown);
         }
@@ -42,9 +42,10 @@ impl Kept {
 /// The exemplars as coarse samples of some size would show them.
 #[derive(Debug)]
 pub(super) struct Shown {
-    /// From sample to sample.
-    pub(super) step_m: DVec2,
+    /// From sample to sample, as they are counted.
+    step_m: DVec2,
     exponent: i32,
+    of: Vec<Arc<Exemplar>>,
     /// Samples from the centre of a patch to its border.
     reach: i64,
     pub(super) half: i64,
@@ -68,9 +69,13 @@ impl Shown {
         )
     }
 
-    /// Whether it is what such coarse samples would show.
-    pub(super) fn is_for(&self, step_m: DVec2, exponent: i32) -> bool {
-        self.exponent == exponent && self.step_m == Self::counted(step_m, exponent)
+    /// Whether it is what such coarse samples would show of the same exemplars.
+    pub(super) fn is_for(&self, choice: &Choice, step_m: DVec2, exponent: i32) -> bool {
+        let pairs = self.of.iter().zip(choice.exemplars);
+        self.exponent == exponent
+            && self.step_m == Self::counted(step_m, exponent)
+            && self.of.len() == choice.exemplars.len()
+            && pairs.fold(true, |same, (a, b)| same & Arc::ptr_eq(a, b))
     }
 
     pub(super) fn new(choice: &Choice, step_m: DVec2, exponent: i32) -> Self {
@@ -78,11 +83,15 @@ impl Shown {
         let step_m = Self::counted(step_m, exponent);
         let least = (2 * half).max(1) as usize;
         let reduce = |exemplar: &Arc<Exemplar>| {
+            // Single samples are compared; more than the exemplar has would be for nothing.
+            let finest_m = if half == 0 { exemplar.spacing_m() } else { 0.0 };
+            let step_m = step_m.max(DVec2::splat(finest_m));
             Reduced::new(exemplar, step_m.to_array(), least, half as usize)
         };
         Self {
             step_m,
             exponent,
+            of: choice.exemplars.to_vec(),
             reach: 1 << exponent.max(0),
             half,
             exemplars: choice.exemplars.iter().map(reduce).collect(),
@@ -105,6 +114,8 @@ impl Shown {
 /// An exemplar as coarse samples would show it.
 #[derive(Debug)]
 pub(super) struct Reduced {
+    /// From sample to sample.
+    pub(super) step_m: [f64; 2],
     pub(super) width: usize,
     pub(super) height: usize,
     /// Red, green, blue as the eye has them, nearly: encoded; and alpha 1.
@@ -135,6 +146,7 @@ impl Reduced {
             }
         }
         Self {
+            step_m,
             width,
             height,
             means: means(&encoded, width, half),

@@ -373,6 +373,36 @@ fn every_colour_gets_the_pattern_of_the_exemplar_that_is_most_like_it() {
 }
 
 #[test]
+fn exemplars_of_any_size_and_spacing_can_be_given_together() {
+    let rect = SampleRect::at(900_000, 700_000, 6, 6);
+    let imagery = varied(rect.grow(16), 1);
+    let of = |side: i64, spacing_m: f64| {
+        let block = varied(SampleRect::at(0, 0, side, side), side as u64);
+        Arc::new(Exemplar::new(&block, spacing_m).expect("colours"))
+    };
+    let scene = |exemplars| Scene::new(rect.grow(16), imagery.clone(), exemplars, &params());
+    let without = scene(vec![of(9, 1e6)]).detailed(rect, 3);
+    for exemplars in [
+        vec![of(8, 0.001), of(200, 9.0)],
+        vec![of(8, 3.0), of(300, 0.5), of(16, 1e8)],
+        vec![of(64, 4.0)],
+        vec![of(8, 0.3)],
+    ] {
+        let scene = scene(exemplars);
+        for doublings in [1, 3, 6] {
+            let coarse = scene.at(scene.input, COARSE, rect);
+            let fine = scene.detailed(rect, doublings);
+            assert!(largest_error(&fine, 1 << doublings, &coarse) < 1.5e-5);
+        }
+    }
+    // What is coarser than the imagery is as good as nothing.
+    let coarse = vec![of(64, 4.0), of(300, 20.0)];
+    let fine = scene(coarse).detailed(rect, 3);
+    assert_eq!(fine, scene(vec![of(64, 4.0)]).detailed(rect, 3));
+    assert_ne!(fine, without);
+}
+
+#[test]
 fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
     let rect = SampleRect::at(300_000, 600_000, 32, 32);
     let wave = |at: i64| libm::sin(at as f64 * 0.35) as f32;
