@@ -181,7 +181,7 @@ impl ExampleDetail {
             kept: &self.kept,
         };
         let steps = steps(job.grid.rect, nesting.doublings);
-        let patches = Patches::new(&choice, nesting, coarse, &steps[0])?;
+        let patches = Patches::new(&choice, nesting, coarse, &steps)?;
         let mut light = coarse.light.part(steps[0]);
         for (doublings, step) in (1..).zip(&steps) {
             if job.cancel.is_cancelled() {

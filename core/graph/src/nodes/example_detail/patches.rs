@@ -15,7 +15,7 @@ use super::around::Around;
 use super::choice::{Choice, Patch};
 use super::coarse::{Coarse, Nesting, rows_between_poles};
 use super::exemplar::Exemplar;
-use super::field::Field;
+use super::field::{Field, covered};
 use super::shown::Shown;
 use crate::RenderError;
 
@@ -136,13 +136,13 @@ pub(super) struct Patches<'a> {
 }
 
 impl<'a> Patches<'a> {
-    /// Chooses patches for the coarse samples `rect`; `coarse` holds at least [`MARGIN`] more on every
-    /// side.
+    /// Chooses patches for colours that are refined over `steps`, from coarse to fine; `coarse` holds at
+    /// least [`MARGIN`] samples more than the first on every side.
     pub(super) fn new(
         choice: &'a Choice<'a>,
         nesting: &'a Nesting,
         coarse: &Coarse,
-        rect: &SampleRect,
+        steps: &[SampleRect],
     ) -> Result<Self, RenderError> {
         let centres = Centres::new(nesting, choice.exemplars);
         let mut all = Self {
@@ -152,14 +152,18 @@ impl<'a> Patches<'a> {
             rect: SampleRect::default(),
             chosen: Vec::new(),
         };
-        let Some(first) = (1..=nesting.doublings).find(|doublings| all.shows(*doublings)) else {
+        // Later steps lie inside the first one that shows something.
+        let first = (1..)
+            .zip(steps)
+            .find(|(doublings, _)| all.shows(*doublings));
+        let Some((first, step)) = first else {
             return Ok(all);
         };
-        let times = 1_i64 << first;
         let Some(apart) = centres.apart(first) else {
             return Ok(all);
         };
-        let (min, last) = (rect.min * times, rect.max * times - 1);
+        let samples = covered(step);
+        let (min, last) = (samples.min, samples.max - 1);
         all.rect = SampleRect::new(
             I64Vec2::new(
                 between(min.x, apart, true).0,
