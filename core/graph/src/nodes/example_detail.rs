@@ -181,7 +181,7 @@ impl ExampleDetail {
             kept: &self.kept,
         };
         let steps = steps(job.grid.rect, nesting.doublings);
-        let patches = Patches::new(&choice, nesting, coarse, &steps)?;
+        let patches = Patches::new(&choice, nesting, coarse, &steps, job.cancel)?;
         let mut light = coarse.light.part(steps[0]);
         for (doublings, step) in (1..).zip(&steps) {
             if job.cancel.is_cancelled() {

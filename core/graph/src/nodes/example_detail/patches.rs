@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, I64Vec2};
 use relievo_planet::{GridCrs, MapPoint, SampleRect};
+use relievo_raster::Cancel;
 
 use super::super::ground::Ground;
 use super::super::noise::scrambled;
@@ -143,6 +144,7 @@ impl<'a> Patches<'a> {
         nesting: &'a Nesting,
         coarse: &Coarse,
         steps: &[SampleRect],
+        cancel: &Cancel,
     ) -> Result<Self, RenderError> {
         let centres = Centres::new(nesting, choice.exemplars);
         let mut all = Self {
@@ -177,6 +179,9 @@ impl<'a> Patches<'a> {
         let ground = Ground::new(&nesting.coarse, super::KIND)?;
         let mut shown = None;
         for row in all.rect.min.y..all.rect.max.y {
+            if cancel.is_cancelled() {
+                return Err(RenderError::Cancelled);
+            }
             for column in all.rect.min.x..all.rect.max.x {
                 let patch = all.choose(&ground, &mut shown, coarse, (column, row));
                 all.chosen.push(patch);

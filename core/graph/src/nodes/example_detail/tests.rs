@@ -403,6 +403,40 @@ fn exemplars_of_any_size_and_spacing_can_be_given_together() {
 }
 
 #[test]
+fn work_that_nobody_wants_stops() {
+    let rect = SampleRect::at(900_000, 700_000, 6, 6);
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 1), rough(), &params());
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let level = finer(COARSE, 2);
+    let fine = Grid::new(
+        Arc::new(level.lattice()),
+        SampleRect::new(rect.min * 4, rect.max * 4),
+    );
+    let stopped = scene.graph.evaluate(scene.output, &fine, &cancel);
+    assert!(matches!(stopped, Err(RenderError::Cancelled)));
+    // Without what it asks for there is an error and no picture.
+    let node = ExampleDetail::new(Planet::EARTH, &params(), rough(), false);
+    let (input, mut out) = (varied(fine.rect, 1), Block::new(Bands::Colour, 24, 24));
+    for cancel in [Cancel::default(), cancel] {
+        let job = Job {
+            grid: &fine,
+            cancel: &cancel,
+        };
+        let coarse = node.artefacts(&fine)[0].reads()[0].1.rect;
+        let made = node.artefacts(&fine)[0]
+            .make(&[varied(coarse, 1)], &cancel)
+            .expect("no errors");
+        let stopped = node.render_from(&job, &[made], &[&input], &mut out);
+        assert_eq!(stopped.is_err(), cancel.is_cancelled());
+        assert!(matches!(
+            node.render(&job, &[&input], &mut out),
+            Err(RenderError::Node { .. })
+        ));
+    }
+}
+
+#[test]
 fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
     let rect = SampleRect::at(300_000, 600_000, 32, 32);
     let wave = |at: i64| libm::sin(at as f64 * 0.35) as f32;
