@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use crate::{
-    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Date, Dated, Detail, Element, ElementId, ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Mask, Noise, PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun, TileRows, Tint, VectorStyle,
+    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Date, Dated, Detail, Element,
+    ElementId, ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Mask,
+    Noise, PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun,
+    TileRows, Tint, VectorStyle,
 };
 
 /// One change of a project. Values replace the old ones as a whole.

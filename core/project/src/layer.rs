@@ -1,7 +1,8 @@
 //! Layers of the runtime document.
 
 use crate::{
-    Adjust, ContoursLayer, Dated, DetailLayer, Extra, LayerId, Mask, SlopeLayer, TintLayer, VectorLayer,
+    Adjust, ContoursLayer, Dated, DetailLayer, Extra, LayerId, Mask, SlopeLayer, TintLayer,
+    VectorLayer,
 };
 
 /// One layer of the stack.

@@ -7,7 +7,10 @@ use std::path::Path;
 use proptest::prelude::*;
 use relievo_project::{
     Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ClearColour, ContoursLayer, CurvePoint,
-    Dated, Detail, DetailLayer, DetailMethod, Edit, Extra, Georeference, HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source, Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop, ToneCurves, parse_date,
+    Dated, Detail, DetailLayer, DetailMethod, Edit, Extra, Georeference, HeightEncoding,
+    HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Mask, MaskRange, Noise,
+    NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source,
+    Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop, ToneCurves, parse_date,
 };
 
 const EVERYTHING: &str = include_str!("data/everything.relievo");

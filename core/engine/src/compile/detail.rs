@@ -29,7 +29,7 @@ impl Compiler<'_> {
             .layers
             .iter()
             .filter(gives)
-            .filter(|layer| self.takes_part(layer))
+            .filter(|layer| self.takes_part(project, layer))
             .collect();
         let is_detail = |layer: &&&Layer| matches!(layer.kind, LayerKind::Detail(_));
         let above = |i: usize| layers[i + 1..].iter().find(is_detail).copied();

@@ -16,7 +16,9 @@ use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
 use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
 use relievo_vector::style::Length;
 
-use crate::registry::{Entry, adjust, detail, memory, noise_params, registry, tint, vector};
+use crate::registry::{
+    Entry, adjust, detail, example_detail, memory, noise_params, registry, tint, vector,
+};
 
 /// Valid samples of every kind, holes among them, from a place's hash.
 fn sample(bands: Bands, hash: u64) -> [f32; 4] {
@@ -85,18 +87,35 @@ fn render(entry: &Entry, level: LevelKey, rect: SampleRect) -> Block {
     let mut out = block(entry.node.output(), &rect);
     out.samples_mut().fill(f32::NAN);
     let grid = Grid::new(Arc::new(level.lattice()), rect);
-    entry
-        .node
-        .render(
-            &Job {
-                grid: &grid,
-                cancel: &Cancel::default(),
-            },
-            &inputs,
-            &mut out,
-        )
-        .expect("no errors");
+    render_from(entry, &grid, &inputs, &mut out, |input, grid| {
+        let mut read = block(entry.inputs[input], &grid.rect);
+        fill_at(&mut read, grid.rect, input as u64);
+        read
+    });
     out
+}
+
+/// Renders a grid of a node, with what it asks to be made before from blocks that `read` gives.
+fn render_from(
+    entry: &Entry,
+    grid: &Grid,
+    inputs: &[&Block],
+    out: &mut Block,
+    read: impl Fn(usize, &Grid) -> Block,
+) {
+    let cancel = &Cancel::default();
+    let artefacts = entry.node.artefacts(grid);
+    let made: Vec<_> = artefacts
+        .iter()
+        .map(|artefact| {
+            let reads = artefact.reads();
+            let samples: Vec<Block> = reads.iter().map(|(k, grid)| read(*k, grid)).collect();
+            artefact.make(&samples, cancel).expect("no errors")
+        })
+        .collect();
+    let job = Job { grid, cancel };
+    let rendered = entry.node.render_from(&job, &made, inputs, out);
+    rendered.expect("no errors");
 }
 
 fn bits(block: &Block) -> Vec<u32> {
@@ -208,14 +227,13 @@ fn what_is_known_of_uniform_inputs_is_what_is_rendered() {
                 })
                 .collect();
             let mut out = block(entry.node.output(), &rect);
-            let job = Job {
-                grid: &grid,
-                cancel: &Cancel::default(),
+            let uniform = |k: usize, grid: &Grid| {
+                let (width, height) = (grid.rect.width() as usize, grid.rect.height() as usize);
+                let bands = entry.inputs[k];
+                Block::filled(bands, width, height, &values[k][..bands.planes()])
             };
-            entry
-                .node
-                .render(&job, &inputs.iter().collect::<Vec<_>>(), &mut out)
-                .unwrap();
+            let inputs: Vec<&Block> = inputs.iter().collect();
+            render_from(&entry, &grid, &inputs, &mut out, uniform);
             if let Some(k) = entry.node.identity(&grid, &known) {
                 let v = &values[k][..out.bands().planes()];
                 let same = Block::filled(out.bands(), out.width(), out.height(), v);
@@ -281,9 +299,11 @@ fn every_node() -> (Graph, Vec<NodeIndex>) {
         &[colours, drawn],
     );
     b.cut(colours, SampleType::Rgba16F);
+    let detailed = b.add(example_detail(1, false), &[colours]);
+    b.cut(detailed, SampleType::Rgba16F);
     let over = b.add(
         Arc::new(Overlay::new(BlendMode::Normal, 1.0, false)),
-        &[colours, pasted],
+        &[detailed, pasted],
     );
     let adjusted = b.add(adjust(|p| p.gamma = 1.4), &[over]);
     let twice = b.add(
@@ -291,7 +311,7 @@ fn every_node() -> (Graph, Vec<NodeIndex>) {
         &[adjusted, over],
     );
     b.cut(twice, SampleType::Rgba8);
-    (b.build(), vec![heights, normals, colours, twice])
+    (b.build(), vec![heights, normals, colours, detailed, twice])
 }
 
 type Tiles = BTreeMap<(NodeIndex, TileKey), Arc<Tile>>;
@@ -431,7 +451,7 @@ fn equal_ids_mean_equal_bytes_and_tiles_that_differ_have_ids_that_differ() {
             assert_eq!(before.as_uniform(), tile.as_uniform());
         }
     }
-    assert_eq!(by_id.len(), 16, "no two of these are equal");
+    assert_eq!(by_id.len(), 20, "no two of these are equal");
 }
 
 #[test]

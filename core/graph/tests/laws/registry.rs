@@ -5,7 +5,10 @@ use std::sync::Arc;
 use relievo_earthwork::{Element, Prepared, Profile, Section, Shape, Side, Surface, Vertex};
 use relievo_graph::ImageNode;
 use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, Constant, ContourLines, ContourStyle, Detail, DetailMethod, DetailParams, DiscMask, Earthwork, HeightDifference, MaskProduct, Memory, Noise, NoiseParams, Normals, Overlay, OverlayHeights, PlacedElement, RangeMask, SlopeAngle, Stop, Tint, Vector,
+    AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, Constant, ContourLines, ContourStyle,
+    Detail, DetailMethod, DetailParams, DiscMask, Earthwork, ExampleDetail, ExampleDetailParams,
+    Exemplar, HeightDifference, MaskProduct, Memory, Noise, NoiseParams, Normals, Overlay,
+    OverlayHeights, PlacedElement, RangeMask, SlopeAngle, Stop, Tint, Vector,
 };
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
@@ -69,6 +72,28 @@ pub(crate) fn memory() -> Arc<Memory> {
     let mut samples = Block::new(Bands::Colour, 30, 40);
     fill(&mut samples, 5);
     Arc::new(Memory::new(&grid, samples))
+}
+
+/// Detail on all levels but the coarsest, after two exemplars as large as continents.
+pub(crate) fn example_detail(seed: u64, masked: bool) -> Arc<ExampleDetail> {
+    let exemplar = |seed: u64| {
+        let mut colours = Block::new(Bands::Colour, 96, 80);
+        fill(&mut colours, seed);
+        Arc::new(Exemplar::new(&colours, 15_000.0).expect("colours"))
+    };
+    let params = ExampleDetailParams {
+        seed,
+        coarse_spacing_m: 80_000.0,
+        tolerance: 1.0,
+        ..ExampleDetailParams::default()
+    };
+    let exemplars = vec![exemplar(11), exemplar(12)];
+    Arc::new(ExampleDetail::new(
+        Planet::EARTH,
+        &params,
+        exemplars,
+        masked,
+    ))
 }
 
 /// A polygon around the antimeridian and a line, in pixels or metres.
@@ -280,6 +305,17 @@ fn of_colours() -> Vec<Entry> {
         ),
         entry("gamma", adjust(|p| p.gamma = 1.7), &[Bands::Colour]),
         entry("hue", adjust(|p| p.hue_deg = 70.0), &[Bands::Colour]),
+        entry("example detail", example_detail(1, false), &[Bands::Colour]),
+        entry(
+            "other example detail",
+            example_detail(2, false),
+            &[Bands::Colour],
+        ),
+        entry(
+            "masked example detail",
+            example_detail(1, true),
+            &[Bands::Colour, Bands::Mask],
+        ),
         entry("tint", tint(true), HEIGHT),
         entry("steps", tint(false), HEIGHT),
         entry(

@@ -7,7 +7,9 @@ use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
 use crate::stored::{range, v1};
 use crate::{
-    Adjust, Blend, ContoursLayer, Dated, Detail, DetailLayer, Extent, Georeference, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Mask, Noise, NoiseLayer, Resampling, SlopeLayer, Source, Stretch, TintLayer, VectorLayer,
+    Adjust, Blend, ContoursLayer, Dated, Detail, DetailLayer, Extent, Georeference, HeightLayer,
+    ImageryLayer, Layer, LayerId, LayerKind, Mask, Noise, NoiseLayer, Resampling, SlopeLayer,
+    Source, Stretch, TintLayer, VectorLayer,
 };
 
 /// A valid id.

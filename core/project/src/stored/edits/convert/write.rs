@@ -5,11 +5,12 @@ use crate::stored::edits::{
     AddBookmark, AddElement, AddLayer, AddScenario, Batch, DuplicateScenario, MergeScenario,
     MoveElement, MoveLayer, RemoveBookmark, RemoveElement, RemoveLayer, RemoveScenario,
     RenameScenario, ReplaceBookmark, ReplaceElement, SetAdjust, SetBands, SetBlend, SetCamera,
-    SetChange, SetChanges, SetContours, SetDated, SetDetail, SetEdgeFade, SetElementLocked, SetElementName,
-    SetElementStyle, SetElementVisible, SetExaggeration, SetGeoreference, SetHeightScale,
-    SetLocked, SetMask, SetName, SetNodata, SetNoise, SetOpacity, SetPath, SetPlanet, SetQuality,
-    SetResampling, SetScenarioLayer, SetScenarioParent, SetSlope, SetStretch, SetSun, SetTiles,
-    SetTint, SetVectorSource, SetVectorStyle, SetVisible, ShowDate, ShowScenario, StoredEdit,
+    SetChange, SetChanges, SetContours, SetDated, SetDetail, SetEdgeFade, SetElementLocked,
+    SetElementName, SetElementStyle, SetElementVisible, SetExaggeration, SetGeoreference,
+    SetHeightScale, SetLocked, SetMask, SetName, SetNodata, SetNoise, SetOpacity, SetPath,
+    SetPlanet, SetQuality, SetResampling, SetScenarioLayer, SetScenarioParent, SetSlope,
+    SetStretch, SetSun, SetTiles, SetTint, SetVectorSource, SetVectorStyle, SetVisible, ShowDate,
+    ShowScenario, StoredEdit,
 };
 use crate::stored::series::StoredDate;
 use crate::stored::stretch::StoredStretch;

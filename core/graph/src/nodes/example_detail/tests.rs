@@ -1,0 +1,607 @@
+//! The constraint, and where there is detail and where not.
+
+use proptest::prelude::*;
+use relievo_planet::{LevelKey, Planet, TileKey};
+use relievo_raster::colour::{linear_from_srgb, to_u8};
+use relievo_raster::reduce::halve;
+use relievo_raster::{Cancel, SampleType};
+
+use super::*;
+use crate::nodes::{Constant, Memory};
+use crate::{Graph, GraphBuilder, NodeIndex};
+
+/// Around 20 m.
+const COARSE: LevelKey = LevelKey { m: 13, n: 12 };
+
+/// Metres from row to row of a level.
+fn spacing_m(level: LevelKey) -> f64 {
+    level.lattice().step.y * Planet::EARTH.radius_m
+}
+
+fn finer(level: LevelKey, doublings: u8) -> LevelKey {
+    LevelKey::new(level.m + doublings, level.n + doublings)
+}
+
+fn noise(x: i64, y: i64, seed: u64) -> f32 {
+    let h = crate::nodes::noise::scrambled((x as u64) << 32 ^ y as u64 & 0xFFFF_FFFF ^ seed << 17);
+    (h >> 40) as f32 / 16_777_216.0
+}
+
+/// Opaque colours by column, row and channel.
+fn colours(rect: SampleRect, value: impl Fn(i64, i64, usize) -> f32) -> Block {
+    let (width, height) = (rect.width() as usize, rect.height() as usize);
+    let mut block = Block::filled(Bands::Colour, width, height, &[0.0, 0.0, 0.0, 1.0]);
+    for plane in 0..3 {
+        for (i, v) in block.plane_mut(plane).iter_mut().enumerate() {
+            let (column, row) = ((i % width) as i64, (i / width) as i64);
+            *v = value(rect.min.x + column, rect.min.y + row, plane);
+        }
+    }
+    block
+}
+
+/// 96 × 96 samples that are 2.5 m apart, of a mean colour and a pattern around 0.
+fn exemplar(mean: [f32; 3], pattern: impl Fn(i64, i64) -> f32) -> Arc<Exemplar> {
+    let block = colours(SampleRect::at(0, 0, 96, 96), |x, y, c| {
+        (mean[c] * (1.0 + pattern(x, y))).clamp(0.0, 1.0)
+    });
+    Arc::new(Exemplar::new(&block, 2.5).expect("colours"))
+}
+
+fn rough() -> Vec<Arc<Exemplar>> {
+    let speckled = exemplar([0.5, 0.4, 0.3], |x, y| noise(x, y, 1) - 0.5);
+    let blotched = exemplar([0.2, 0.4, 0.2], |x, y| 1.6 * (noise(x / 3, y / 4, 2) - 0.5));
+    vec![speckled, blotched]
+}
+
+fn params() -> ExampleDetailParams {
+    ExampleDetailParams {
+        coarse_spacing_m: spacing_m(COARSE),
+        tolerance: f64::INFINITY,
+        ..ExampleDetailParams::default()
+    }
+}
+
+/// Imagery at the coarse level, detail over it.
+struct Scene {
+    graph: Graph,
+    input: NodeIndex,
+    output: NodeIndex,
+}
+
+impl Scene {
+    fn new(
+        rect: SampleRect,
+        imagery: Block,
+        exemplars: Vec<Arc<Exemplar>>,
+        params: &ExampleDetailParams,
+    ) -> Self {
+        let grid = Grid::new(Arc::new(COARSE.lattice()), rect);
+        let mut b = GraphBuilder::default();
+        let input = b.add(Arc::new(Memory::new(&grid, imagery)), &[]);
+        let node = ExampleDetail::new(Planet::EARTH, params, exemplars, false);
+        let output = b.add(Arc::new(node), &[input]);
+        b.cut(output, SampleType::Rgba32F);
+        Self {
+            graph: b.build(),
+            input,
+            output,
+        }
+    }
+
+    fn at(&self, node: NodeIndex, level: LevelKey, rect: SampleRect) -> Block {
+        let grid = Grid::new(Arc::new(level.lattice()), rect);
+        self.graph
+            .evaluate(node, &grid, &Cancel::default())
+            .expect("no errors")
+    }
+
+    /// The detailed imagery over coarse samples.
+    fn detailed(&self, coarse: SampleRect, doublings: u8) -> Block {
+        let times = 1 << doublings;
+        let rect = SampleRect::new(coarse.min * times, coarse.max * times);
+        self.at(self.output, finer(COARSE, doublings), rect)
+    }
+}
+
+/// Means of straight linear light by the box, in f64: independent of the node's own arithmetic.
+fn reduced(block: &Block, times: usize) -> Vec<[f64; 3]> {
+    let (width, height) = (block.width() / times, block.height() / times);
+    let mut means = vec![[0.0; 3]; width * height];
+    for (plane, samples) in (0..3).map(|plane| (plane, block.plane(plane))) {
+        for (i, v) in samples.iter().enumerate() {
+            let (x, y) = (i % block.width() / times, i / block.width() / times);
+            means[y * width + x][plane] += f64::from(linear_from_srgb(*v)) / (times * times) as f64;
+        }
+    }
+    means
+}
+
+/// The largest difference of encoded colours.
+fn largest_error(fine: &Block, times: usize, coarse: &Block) -> f64 {
+    let encoded = |v: f64| {
+        if v <= 0.003_130_8 {
+            v * 12.92
+        } else {
+            1.055 * libm::pow(v, 1.0 / 2.4) - 0.055
+        }
+    };
+    let means = reduced(fine, times);
+    let errors = means.iter().enumerate().flat_map(|(i, mean)| {
+        (0..3).map(move |c| (encoded(mean[c]) - f64::from(coarse.plane(c)[i])).abs())
+    });
+    errors.fold(0.0, f64::max)
+}
+
+fn varied(rect: SampleRect, seed: u64) -> Block {
+    colours(rect, |x, y, c| {
+        let v = noise(x / 3, y / 2, seed + c as u64) * 0.8 + 0.2 * noise(x, y, seed ^ 9);
+        if (x + y) % 17 == 0 { v.round() } else { v }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn reduced_by_the_box_the_result_is_the_coarse_imagery_at_every_level(
+        x in -8..2_000_000_i64, y in prop_oneof![-6..1_000_000_i64, Just(-3), Just(1_048_570)],
+        seed: u64, strength in 0.1..4.0_f64, tolerance in prop_oneof![0.05..1.0_f64, Just(f64::INFINITY)],
+    ) {
+        let rect = SampleRect::at(x, y, 10, 9);
+        let imagery = varied(rect.grow(16), seed % 1000);
+        let params = ExampleDetailParams { seed, strength, tolerance, ..params() };
+        let scene = Scene::new(rect.grow(16), imagery, rough(), &params);
+        let coarse = scene.at(scene.input, COARSE, rect);
+        let mut above = coarse.clone();
+        for doublings in 1..=4_u8 {
+            let fine = scene.detailed(rect, doublings);
+            // Far below half an 8-bit step, 2 · 10⁻³, also where an encoded value is steepest.
+            let error = largest_error(&fine, 1 << doublings, &coarse);
+            prop_assert!(error < 1.5e-5, "{error:e} after {doublings}");
+            let error = largest_error(&fine, 2, &above);
+            prop_assert!(error < 1.5e-5, "{error:e} from {doublings} to the level above");
+            prop_assert!(fine.samples().iter().all(|v| (-1e-5..=1.000_01).contains(v)));
+            above = fine;
+        }
+    }
+}
+
+#[test]
+fn far_below_the_resolution_of_the_exemplars_the_constraint_still_holds() {
+    let rect = SampleRect::at(1_300_000, 250_000, 3, 2);
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 2), rough(), &params());
+    let coarse = scene.at(scene.input, COARSE, rect);
+    let error = largest_error(&scene.detailed(rect, 8), 256, &coarse);
+    assert!(error < 1.5e-5, "{error:e}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn a_piece_made_alone_is_part_of_the_whole(
+        x in 0..320_i64, y in 0..320_i64, width in 1..120_i64, height in 1..120_i64, doublings in 1..6_u8,
+    ) {
+        // Across squares in which coarse colours are read, so that pieces read other ones.
+        let rect = SampleRect::at(640_000 - 20, 320_000 - 20, 40, 40);
+        let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 7), rough(), &params());
+        let level = finer(COARSE, doublings);
+        let centre = (rect.min + 20) * (1 << doublings);
+        let whole = SampleRect::new(centre - 220, centre + 220);
+        let piece = SampleRect::at(whole.min.x + x, whole.min.y + y, width, height);
+        let alone = scene.at(scene.output, level, piece);
+        let mut part = Block::new(Bands::Colour, width as usize, height as usize);
+        let size = (width as usize, height as usize);
+        part.copy_from(&scene.at(scene.output, level, whole), (x as usize, y as usize), (0, 0), size);
+        prop_assert!(alone == part);
+    }
+}
+
+#[test]
+fn everything_that_decides_is_part_of_the_name() {
+    let grid = TileKey::new(finer(COARSE, 2), 9000, 5000)
+        .expect("inside")
+        .grid();
+    let name = |planet: Planet, params: ExampleDetailParams, exemplars, masked| {
+        let mut id = IdHasher::default();
+        ExampleDetail::new(planet, &params, exemplars, masked).identify(&grid, &mut id);
+        id.finish()
+    };
+    let with = |change: fn(&mut ExampleDetailParams)| {
+        let mut params = params();
+        change(&mut params);
+        name(Planet::EARTH, params, rough(), false)
+    };
+    let same_elsewhere = Exemplar::new(&varied(SampleRect::at(0, 0, 96, 96), 1), 2.5);
+    let sparser = Exemplar::new(&varied(SampleRect::at(0, 0, 96, 96), 1), 2.6);
+    let one =
+        |exemplar: Result<Exemplar, ExemplarError>| vec![Arc::new(exemplar.expect("colours"))];
+    let turned = rough().into_iter().rev().collect();
+    let names = [
+        with(|_| {}),
+        with(|p| p.seed = 1),
+        with(|p| p.strength = 0.5),
+        with(|p| p.tolerance = 0.2),
+        with(|p| p.coarse_spacing_m *= 3.0),
+        name(Planet::EARTH, params(), rough(), true),
+        name(Planet::MARS, params(), rough(), false),
+        name(Planet::EARTH, params(), one(same_elsewhere), false),
+        name(Planet::EARTH, params(), one(sparser), false),
+        name(Planet::EARTH, params(), turned, false),
+    ];
+    let distinct: std::collections::BTreeSet<_> = names.iter().collect();
+    assert_eq!(distinct.len(), names.len());
+    // What no number can mean counts as what it is clamped to.
+    assert_eq!(
+        with(|p| p.strength = 1e9),
+        with(|p| p.strength = MOST_STRENGTH)
+    );
+    assert_eq!(
+        with(|p| p.tolerance = f64::NAN),
+        with(|p| p.tolerance = -1.0)
+    );
+}
+
+#[test]
+fn what_8_bit_tiles_reduce_to_is_off_by_no_more_than_half_a_step() {
+    let rect = SampleRect::at(700_000, 400_000, 24, 24);
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 3), rough(), &params());
+    let coarse = scene.at(scene.input, COARSE, rect);
+    let mut fine = scene.detailed(rect, 3);
+    for v in fine.samples_mut() {
+        *v = f32::from(to_u8(*v)) / 255.0;
+    }
+    let error = largest_error(&fine, 8, &coarse);
+    assert!(error <= 0.5 / 255.0, "{error}");
+}
+
+#[test]
+fn without_strength_or_exemplars_or_on_coarse_levels_it_is_not_there_at_all() {
+    let mut varied_params = params();
+    varied_params.strength = 0.0;
+    let fine = TileKey::new(finer(COARSE, 2), 9000, 5000).expect("inside");
+    let same_level = TileKey::new(COARSE, 3000, 1200).expect("inside");
+    let known = [Known::Complete];
+    for (node, grid) in [
+        (
+            ExampleDetail::new(Planet::EARTH, &varied_params, rough(), false),
+            fine.grid(),
+        ),
+        (
+            ExampleDetail::new(Planet::EARTH, &params(), Vec::new(), false),
+            fine.grid(),
+        ),
+        (
+            ExampleDetail::new(Planet::EARTH, &params(), rough(), false),
+            same_level.grid(),
+        ),
+    ] {
+        assert_eq!(node.identity(&grid, &known), Some(0));
+        assert!(node.artefacts(&grid).is_empty());
+        let input = varied(SampleRect::at(0, 0, 256, 256), 4);
+        let mut out = Block::new(Bands::Colour, 256, 256);
+        let job = Job {
+            grid: &grid,
+            cancel: &Cancel::default(),
+        };
+        node.render(&job, &[&input], &mut out).expect("no errors");
+        assert_eq!(out, input);
+    }
+    let node = ExampleDetail::new(Planet::EARTH, &params(), rough(), false);
+    assert_eq!(node.identity(&fine.grid(), &known), None);
+    assert_eq!(node.known(&fine.grid(), &known), Known::Complete);
+}
+
+#[test]
+fn what_is_transparent_stays_and_lends_nothing_to_its_neighbours() {
+    let rect = SampleRect::at(500, 700_000, 40, 40);
+    let mut imagery = varied(rect, 5);
+    let hole = |x: i64, y: i64| (12..20).contains(&x) && (10..30).contains(&y);
+    for plane in 0..4 {
+        for (i, v) in imagery.plane_mut(plane).iter_mut().enumerate() {
+            if hole(i as i64 % 40, i as i64 / 40) {
+                *v = 0.0;
+            }
+        }
+    }
+    let inner = SampleRect::at(504, 700_004, 30, 30);
+    let scene = Scene::new(rect, imagery, rough(), &params());
+    let fine = scene.detailed(inner, 2);
+    let coarse = scene.at(scene.input, COARSE, inner);
+    for (i, alpha) in fine.plane(3).iter().enumerate() {
+        let (x, y) = ((i % 120 / 4) as i64 + 4, (i / 120 / 4) as i64 + 4);
+        assert_eq!(*alpha, if hole(x, y) { 0.0 } else { 1.0 });
+        assert!(!hole(x, y) || (0..3).all(|c| fine.plane(c)[i] == 0.0));
+    }
+    // Next to the hole the constraint holds too.
+    assert!(largest_error(&fine, 4, &coarse) < 1.5e-5);
+}
+
+/// Mean square of differences from sample to sample, eastward and southward.
+fn roughness(block: &Block, columns: core::ops::Range<usize>) -> [f64; 2] {
+    let (width, plane) = (block.width(), block.plane(1));
+    let mut sums = [0.0; 2];
+    for y in 0..block.height() - 1 {
+        for x in columns.clone() {
+            let at = y * width + x;
+            sums[0] += f64::from(plane[at + 1] - plane[at]).powi(2);
+            sums[1] += f64::from(plane[at + width] - plane[at]).powi(2);
+        }
+    }
+    sums.map(|sum| sum / (columns.len() * (block.height() - 1)) as f64)
+}
+
+#[test]
+fn every_colour_gets_the_pattern_of_the_exemplar_that_is_most_like_it() {
+    // Forest in rows from west to east, soil in rows from north to south.
+    let stripe = |at: i64| if at % 4 < 2 { 0.4 } else { -0.4 };
+    let (forest, soil) = ([0.15, 0.35, 0.15], [0.6, 0.5, 0.4]);
+    let exemplars = vec![
+        exemplar(forest, move |_, y| stripe(y)),
+        exemplar(soil, move |x, _| stripe(x)),
+    ];
+    let rect = SampleRect::at(600_000, 500_000, 40, 20);
+    let imagery = colours(
+        rect.grow(16),
+        |x, _, c| {
+            if x < 600_020 { forest[c] } else { soil[c] }
+        },
+    );
+    let mut params = params();
+    params.tolerance = 0.1;
+    let scene = Scene::new(rect.grow(16), imagery, exemplars.clone(), &params);
+    let fine = scene.detailed(rect, 3);
+    let west = roughness(&fine, 8..120);
+    assert!(west[1] > 20.0 * west[0] && west[1] > 1e-3, "{west:?}");
+    let east = roughness(&fine, 200..310);
+    assert!(east[0] > 20.0 * east[1] && east[0] > 1e-3, "{east:?}");
+
+    // Water is like neither.
+    let water = colours(rect.grow(16), |_, _, c| [0.1, 0.2, 0.5][c]);
+    let scene = Scene::new(rect.grow(16), water, exemplars.clone(), &params);
+    let fine = scene.detailed(rect, 3);
+    for (c, expected) in [0.1, 0.2, 0.5].into_iter().enumerate() {
+        assert!(fine.plane(c).iter().all(|v| (v - expected).abs() < 1e-5));
+    }
+    // Unless the nearest is good enough.
+    params.tolerance = f64::INFINITY;
+    let water = colours(rect.grow(16), |_, _, c| [0.1, 0.2, 0.5][c]);
+    let scene = Scene::new(rect.grow(16), water, exemplars, &params);
+    let near = roughness(&scene.detailed(rect, 3), 8..310);
+    assert!(near[0] + near[1] > 1e-3, "{near:?}");
+}
+
+#[test]
+fn exemplars_of_any_size_and_spacing_can_be_given_together() {
+    let rect = SampleRect::at(900_000, 700_000, 6, 6);
+    let imagery = varied(rect.grow(16), 1);
+    let of = |side: i64, spacing_m: f64| {
+        let block = varied(SampleRect::at(0, 0, side, side), side as u64);
+        Arc::new(Exemplar::new(&block, spacing_m).expect("colours"))
+    };
+    let scene = |exemplars| Scene::new(rect.grow(16), imagery.clone(), exemplars, &params());
+    let without = scene(vec![of(9, 1e6)]).detailed(rect, 3);
+    for exemplars in [
+        vec![of(8, 0.001), of(200, 9.0)],
+        vec![of(8, 3.0), of(300, 0.5), of(16, 1e8)],
+        vec![of(64, 4.0)],
+        vec![of(8, 0.3)],
+    ] {
+        let scene = scene(exemplars);
+        for doublings in [1, 3, 6] {
+            let coarse = scene.at(scene.input, COARSE, rect);
+            let fine = scene.detailed(rect, doublings);
+            assert!(largest_error(&fine, 1 << doublings, &coarse) < 1.5e-5);
+        }
+    }
+    // What is coarser than the imagery is as good as nothing.
+    let coarse = vec![of(64, 4.0), of(300, 20.0)];
+    let fine = scene(coarse).detailed(rect, 3);
+    assert_eq!(fine, scene(vec![of(64, 4.0)]).detailed(rect, 3));
+    assert_ne!(fine, without);
+}
+
+#[test]
+fn work_that_nobody_wants_stops() {
+    let rect = SampleRect::at(900_000, 700_000, 6, 6);
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 1), rough(), &params());
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let level = finer(COARSE, 2);
+    let fine = Grid::new(
+        Arc::new(level.lattice()),
+        SampleRect::new(rect.min * 4, rect.max * 4),
+    );
+    let stopped = scene.graph.evaluate(scene.output, &fine, &cancel);
+    assert!(matches!(stopped, Err(RenderError::Cancelled)));
+    // Without what it asks for there is an error and no picture.
+    let node = ExampleDetail::new(Planet::EARTH, &params(), rough(), false);
+    let (input, mut out) = (varied(fine.rect, 1), Block::new(Bands::Colour, 24, 24));
+    for cancel in [Cancel::default(), cancel] {
+        let job = Job {
+            grid: &fine,
+            cancel: &cancel,
+        };
+        let coarse = node.artefacts(&fine)[0].reads()[0].1.rect;
+        let made = node.artefacts(&fine)[0]
+            .make(&[varied(coarse, 1)], &cancel)
+            .expect("no errors");
+        let stopped = node.render_from(&job, &[made], &[&input], &mut out);
+        assert_eq!(stopped.is_err(), cancel.is_cancelled());
+        assert!(matches!(
+            node.render(&job, &[&input], &mut out),
+            Err(RenderError::Node { .. })
+        ));
+    }
+}
+
+#[test]
+fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
+    let rect = SampleRect::at(300_000, 600_000, 32, 32);
+    let wave = |at: i64| libm::sin(at as f64 * 0.35) as f32;
+    let imagery = colours(rect.grow(16), |x, y, c| {
+        0.5 + 0.1 * wave(x + 3 * c as i64) + 0.1 * wave(y)
+    });
+    // With the noise of an exemplar without order, and with one that has nothing to add.
+    let flat = exemplar([0.5; 3], |_, _| 0.0);
+    for exemplars in [rough(), vec![flat]] {
+        let scene = Scene::new(rect.grow(16), imagery.clone(), exemplars, &params());
+        for doublings in [2, 3, 4_u8] {
+            let times = 1 << doublings;
+            let fine = scene.detailed(rect, doublings);
+            let (mut at_border, mut inside) = ([0.0, 0.0], [0.0, 0.0]);
+            // Among steps from one sample of the level above to the next.
+            let steps = (0..fine.plane(0).len()).step_by(2);
+            for i in steps.filter(|i| i % fine.width() > 0) {
+                let step = f64::from(fine.plane(0)[i] - fine.plane(0)[i - 1]).abs();
+                let sums = if i % times == 0 {
+                    &mut at_border
+                } else {
+                    &mut inside
+                };
+                *sums = [sums[0] + step, sums[1] + 1.0];
+            }
+            let (at_border, inside) = (at_border[0] / at_border[1], inside[0] / inside[1]);
+            assert!(
+                at_border < 1.15 * inside,
+                "{at_border} {inside}, {doublings}"
+            );
+        }
+    }
+}
+
+#[test]
+fn there_is_no_seam_at_the_antimeridian() {
+    let around = COARSE.samples().x;
+    let rect = SampleRect::at(-16, 480_000, 32, 24);
+    let imagery = colours(rect.grow(16), |x, y, c| {
+        0.4 + 0.004 * (x + y - 480_000) as f32 * (c as f32 - 1.0)
+    });
+    // So smooth that patches which do not fit would show.
+    let wave = |at: i64| libm::sin(at as f64 * 0.3) as f32;
+    let smooth = exemplar([0.4; 3], move |x, y| 0.5 * wave(x) * wave(y));
+    let scene = Scene::new(rect.grow(16), imagery, vec![smooth], &params());
+    let fine = scene.detailed(rect, 3);
+    let jump = |x: usize| {
+        let steps = (0..fine.height()).map(|y| {
+            let row = &fine.plane(0)[y * fine.width()..];
+            f64::from(row[x] - row[x - 1]).powi(2)
+        });
+        steps.sum::<f64>()
+    };
+    let usual = (65..128).chain(129..192).map(jump).fold(0.0, f64::max);
+    assert!(jump(128) < usual, "{} {usual}", jump(128));
+    assert!(usual < 192.0 * 0.04 * 0.04, "{usual}");
+    // And it is the same from the other side.
+    let other = scene.detailed(SampleRect::at(around - 16, 480_000, 32, 24), 3);
+    assert_eq!(other, fine);
+}
+
+#[test]
+fn a_mask_says_where_detail_is() {
+    let rect = SampleRect::at(200_000, 300_000, 24, 24);
+    let grid = Grid::new(Arc::new(COARSE.lattice()), rect.grow(16));
+    let imagery = varied(rect.grow(16), 8);
+    let mask = |weight: f32| Arc::new(Constant::mask(weight));
+    let with = |weight: f32| {
+        let mut b = GraphBuilder::default();
+        let input = b.add(Arc::new(Memory::new(&grid, imagery.clone())), &[]);
+        let mask = b.add(mask(weight), &[]);
+        let node = ExampleDetail::new(Planet::EARTH, &params(), rough(), true);
+        let output = b.add(Arc::new(node), &[input, mask]);
+        let fine = Grid::new(
+            Arc::new(finer(COARSE, 2).lattice()),
+            SampleRect::new(rect.min * 4, rect.max * 4),
+        );
+        let graph = b.build();
+        let at = |node| {
+            graph
+                .evaluate(node, &fine, &Cancel::default())
+                .expect("no errors")
+        };
+        (at(input), at(output))
+    };
+    let (input, nothing) = with(0.0);
+    assert_eq!(nothing, input);
+    let (_, all) = with(1.0);
+    let scene = Scene::new(rect.grow(16), imagery.clone(), rough(), &params());
+    assert_eq!(all, scene.detailed(rect, 2));
+    let (_, half) = with(0.5);
+    for ((a, b), mixed) in input
+        .samples()
+        .iter()
+        .zip(all.samples())
+        .zip(half.samples())
+    {
+        let expected = 0.5 * (linear_from_srgb(*a) + linear_from_srgb(*b));
+        assert!((linear_from_srgb(*mixed) - expected).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn imagery_of_the_exemplar_itself_is_as_rough_as_the_exemplar() {
+    let truth = colours(SampleRect::at(0, 0, 256, 256), |x, y, c| {
+        0.3 + 0.1 * c as f32 + 0.2 * noise(x / 2, y / 2, 4) + 0.15 * noise(x / 9, y / 7, 5)
+    });
+    let spacing_m = spacing_m(finer(COARSE, 3));
+    let own = Arc::new(Exemplar::new(&truth, spacing_m).expect("colours"));
+    let mut imagery = truth.clone();
+    for _ in 0..3 {
+        imagery = halve(&imagery);
+    }
+    // On the equator, where samples are square.
+    let rect = SampleRect::at(100_000, COARSE.samples().y / 2, 32, 32);
+    let scene = Scene::new(rect, imagery, vec![own], &params());
+    let inner = rect.grow(-8);
+    let fine = scene.detailed(inner, 3);
+    let smooth = Scene::new(
+        rect,
+        scene.at(scene.input, COARSE, rect),
+        vec![exemplar([0.5; 3], |_, _| 0.0)],
+        &params(),
+    )
+    .detailed(inner, 3);
+    let wanted = roughness(&truth, 0..255).iter().sum::<f64>();
+    let got = roughness(&fine, 0..127).iter().sum::<f64>();
+    let without = roughness(&smooth, 0..127).iter().sum::<f64>();
+    assert!((0.6..1.4).contains(&(got / wanted)), "{got} for {wanted}");
+    assert!(without < 0.1 * wanted, "{without} for {wanted}");
+}
+
+#[test]
+fn on_a_projected_grid_the_constraint_holds_too() {
+    let crs = relievo_planet::GridCrs::Projected("EPSG:26912".into());
+    let lattice = relievo_planet::Lattice {
+        crs,
+        origin: glam::DVec2::new(444_848.0, 4_449_195.0),
+        step: glam::DVec2::new(2.0, -2.0),
+        columns_around: None,
+    };
+    let coarse = relievo_planet::Lattice {
+        step: lattice.step * 8.0,
+        ..lattice.clone()
+    };
+    let rect = SampleRect::at(10, 10, 12, 12);
+    let held = Grid::new(Arc::new(coarse), rect.grow(16));
+    let imagery = varied(held.rect, 6);
+    let mut b = GraphBuilder::default();
+    let input = b.add(Arc::new(Memory::new(&held, imagery)), &[]);
+    let mut params = params();
+    params.coarse_spacing_m = 16.0;
+    let node = ExampleDetail::new(Planet::EARTH, &params, rough(), false);
+    let output = b.add(Arc::new(node), &[input]);
+    let graph = b.build();
+    let evaluate = |node, grid: &Grid| {
+        let samples = graph.evaluate(node, grid, &Cancel::default());
+        samples.expect("no errors")
+    };
+    let fine = Grid::new(
+        Arc::new(lattice),
+        SampleRect::new(rect.min * 8, rect.max * 8),
+    );
+    let detailed = evaluate(output, &fine);
+    let coarse = evaluate(input, &held.with_rect(rect));
+    assert_ne!(detailed, evaluate(input, &fine));
+    assert!(largest_error(&detailed, 8, &coarse) < 1.5e-5);
+}
