@@ -130,7 +130,7 @@ pub enum BalanceError {
 /// Most pictures: their equations fill a matrix of twice as many rows.
 pub const MOST_PICTURES: usize = 256;
 
-/// How much a picture wants to stay as it is, against one place it has in common with another.
+/// How much all pictures want to stay as they are, against all places that they have in common.
 ///
 /// Small enough that a place too few does not show, large enough that pictures without any overlap stay.
 const STAY: f64 = 1e-3;
