@@ -471,6 +471,37 @@ fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
     }
 }
 
+/// So large that chance cannot name all of its places, and so smooth that patches which do not fit would
+/// show.
+fn waves() -> Vec<Arc<Exemplar>> {
+    let wave = |at: i64| libm::sin(at as f64 * 0.3) as f32;
+    let waves = colours(SampleRect::at(0, 0, 400, 400), |x, y, _| {
+        0.4 + 0.2 * wave(x) * wave(y)
+    });
+    vec![Arc::new(Exemplar::new(&waves, 2.5).expect("colours"))]
+}
+
+/// Sums of squares of second differences across a line before column (or row) `at`, which jump where a
+/// smooth picture does, and their mean over all others.
+fn bends(block: &Block, at: usize, along: usize) -> [f64; 2] {
+    let (plane, width) = (block.plane(0), block.width());
+    let (sides, strides) = ([width, block.height()], [1, width]);
+    let (side, stride, other) = (sides[along], strides[along], strides[1 - along]);
+    let bend = |i: usize| {
+        let bends = (0..sides[1 - along]).map(|k| {
+            let at = i * stride + k * other;
+            f64::from(plane[at + stride] - 2.0 * plane[at] + plane[at - stride]).powi(2)
+        });
+        bends.sum::<f64>()
+    };
+    let others = (1..at - 2).chain(at + 2..side - 1);
+    let count = others.clone().count() as f64;
+    [
+        0.5 * (bend(at - 1) + bend(at)),
+        others.map(bend).sum::<f64>() / count,
+    ]
+}
+
 #[test]
 fn there_is_no_seam_at_the_antimeridian() {
     let around = COARSE.samples().x;
@@ -478,24 +509,30 @@ fn there_is_no_seam_at_the_antimeridian() {
     let imagery = colours(rect.grow(16), |x, y, c| {
         0.4 + 0.004 * (x + y - 480_000) as f32 * (c as f32 - 1.0)
     });
-    // So smooth that patches which do not fit would show.
-    let wave = |at: i64| libm::sin(at as f64 * 0.3) as f32;
-    let smooth = exemplar([0.4; 3], move |x, y| 0.5 * wave(x) * wave(y));
-    let scene = Scene::new(rect.grow(16), imagery, vec![smooth], &params());
+    let scene = Scene::new(rect.grow(16), imagery, waves(), &params());
     let fine = scene.detailed(rect, 3);
-    let jump = |x: usize| {
-        let steps = (0..fine.height()).map(|y| {
-            let row = &fine.plane(0)[y * fine.width()..];
-            f64::from(row[x] - row[x - 1]).powi(2)
-        });
-        steps.sum::<f64>()
-    };
-    let usual = (65..128).chain(129..192).map(jump).fold(0.0, f64::max);
-    assert!(jump(128) < usual, "{} {usual}", jump(128));
-    assert!(usual < 192.0 * 0.04 * 0.04, "{usual}");
-    // And it is the same from the other side.
+    let [seam, others] = bends(&fine, 128, 0);
+    assert!(seam < 4.0 * others, "{seam} {others}");
+    // Patches that do not fit make it 25 times as large. And it is the same from the other side.
     let other = scene.detailed(SampleRect::at(around - 16, 480_000, 32, 24), 3);
     assert_eq!(other, fine);
+}
+
+#[test]
+fn there_is_no_seam_over_a_pole() {
+    let mut b = GraphBuilder::default();
+    let grey = b.add(Arc::new(Constant::colour([0.4, 0.4, 0.4, 1.0])), &[]);
+    let node = ExampleDetail::new(Planet::EARTH, &params(), waves(), false);
+    let output = b.add(Arc::new(node), &[grey]);
+    let graph = b.build();
+    let level = finer(COARSE, 3);
+    for pole in [0, level.samples().y] {
+        let rect = SampleRect::at(9_000_000, pole - 96, 160, 192);
+        let grid = Grid::new(Arc::new(level.lattice()), rect);
+        let across = graph.evaluate(output, &grid, &Cancel::default());
+        let [seam, others] = bends(&across.expect("no errors"), 96, 1);
+        assert!(seam < 4.0 * others && others > 1e-3, "{seam} {others}");
+    }
 }
 
 #[test]
