@@ -1,9 +1,10 @@
-//! The constraint, and where there is detail and where not.
+//! The constraint, names, and what is left alone.
+
+mod places;
 
 use proptest::prelude::*;
 use relievo_planet::{LevelKey, Planet, TileKey};
 use relievo_raster::colour::{linear_from_srgb, to_u8};
-use relievo_raster::reduce::halve;
 use relievo_raster::{Cancel, SampleType};
 
 use super::*;
@@ -318,60 +319,6 @@ fn what_is_transparent_stays_and_lends_nothing_to_its_neighbours() {
     assert!(largest_error(&fine, 4, &coarse) < 1.5e-5);
 }
 
-/// Mean square of differences from sample to sample, eastward and southward.
-fn roughness(block: &Block, columns: core::ops::Range<usize>) -> [f64; 2] {
-    let (width, plane) = (block.width(), block.plane(1));
-    let mut sums = [0.0; 2];
-    for y in 0..block.height() - 1 {
-        for x in columns.clone() {
-            let at = y * width + x;
-            sums[0] += f64::from(plane[at + 1] - plane[at]).powi(2);
-            sums[1] += f64::from(plane[at + width] - plane[at]).powi(2);
-        }
-    }
-    sums.map(|sum| sum / (columns.len() * (block.height() - 1)) as f64)
-}
-
-#[test]
-fn every_colour_gets_the_pattern_of_the_exemplar_that_is_most_like_it() {
-    // Forest in rows from west to east, soil in rows from north to south.
-    let stripe = |at: i64| if at % 4 < 2 { 0.4 } else { -0.4 };
-    let (forest, soil) = ([0.15, 0.35, 0.15], [0.6, 0.5, 0.4]);
-    let exemplars = vec![
-        exemplar(forest, move |_, y| stripe(y)),
-        exemplar(soil, move |x, _| stripe(x)),
-    ];
-    let rect = SampleRect::at(600_000, 500_000, 40, 20);
-    let imagery = colours(
-        rect.grow(16),
-        |x, _, c| {
-            if x < 600_020 { forest[c] } else { soil[c] }
-        },
-    );
-    let mut params = params();
-    params.tolerance = 0.1;
-    let scene = Scene::new(rect.grow(16), imagery, exemplars.clone(), &params);
-    let fine = scene.detailed(rect, 3);
-    let west = roughness(&fine, 8..120);
-    assert!(west[1] > 20.0 * west[0] && west[1] > 1e-3, "{west:?}");
-    let east = roughness(&fine, 200..310);
-    assert!(east[0] > 20.0 * east[1] && east[0] > 1e-3, "{east:?}");
-
-    // Water is like neither.
-    let water = colours(rect.grow(16), |_, _, c| [0.1, 0.2, 0.5][c]);
-    let scene = Scene::new(rect.grow(16), water, exemplars.clone(), &params);
-    let fine = scene.detailed(rect, 3);
-    for (c, expected) in [0.1, 0.2, 0.5].into_iter().enumerate() {
-        assert!(fine.plane(c).iter().all(|v| (v - expected).abs() < 1e-5));
-    }
-    // Unless the nearest is good enough.
-    params.tolerance = f64::INFINITY;
-    let water = colours(rect.grow(16), |_, _, c| [0.1, 0.2, 0.5][c]);
-    let scene = Scene::new(rect.grow(16), water, exemplars, &params);
-    let near = roughness(&scene.detailed(rect, 3), 8..310);
-    assert!(near[0] + near[1] > 1e-3, "{near:?}");
-}
-
 #[test]
 fn exemplars_of_any_size_and_spacing_can_be_given_together() {
     let rect = SampleRect::at(900_000, 700_000, 6, 6);
@@ -434,139 +381,6 @@ fn work_that_nobody_wants_stops() {
             Err(RenderError::Node { .. })
         ));
     }
-}
-
-#[test]
-fn borders_of_coarse_samples_do_not_show_in_a_smooth_scene() {
-    let rect = SampleRect::at(300_000, 600_000, 32, 32);
-    let wave = |at: i64| libm::sin(at as f64 * 0.35) as f32;
-    let imagery = colours(rect.grow(16), |x, y, c| {
-        0.5 + 0.1 * wave(x + 3 * c as i64) + 0.1 * wave(y)
-    });
-    // With the noise of an exemplar without order, and with one that has nothing to add.
-    let flat = exemplar([0.5; 3], |_, _| 0.0);
-    for exemplars in [rough(), vec![flat]] {
-        let scene = Scene::new(rect.grow(16), imagery.clone(), exemplars, &params());
-        for doublings in [2, 3, 4_u8] {
-            let times = 1 << doublings;
-            let fine = scene.detailed(rect, doublings);
-            let (mut at_border, mut inside) = ([0.0, 0.0], [0.0, 0.0]);
-            // Among steps from one sample of the level above to the next.
-            let steps = (0..fine.plane(0).len()).step_by(2);
-            for i in steps.filter(|i| i % fine.width() > 0) {
-                let step = f64::from(fine.plane(0)[i] - fine.plane(0)[i - 1]).abs();
-                let sums = if i % times == 0 {
-                    &mut at_border
-                } else {
-                    &mut inside
-                };
-                *sums = [sums[0] + step, sums[1] + 1.0];
-            }
-            let (at_border, inside) = (at_border[0] / at_border[1], inside[0] / inside[1]);
-            assert!(
-                at_border < 1.15 * inside,
-                "{at_border} {inside}, {doublings}"
-            );
-        }
-    }
-}
-
-#[test]
-fn there_is_no_seam_at_the_antimeridian() {
-    let around = COARSE.samples().x;
-    let rect = SampleRect::at(-16, 480_000, 32, 24);
-    let imagery = colours(rect.grow(16), |x, y, c| {
-        0.4 + 0.004 * (x + y - 480_000) as f32 * (c as f32 - 1.0)
-    });
-    // So smooth that patches which do not fit would show.
-    let wave = |at: i64| libm::sin(at as f64 * 0.3) as f32;
-    let smooth = exemplar([0.4; 3], move |x, y| 0.5 * wave(x) * wave(y));
-    let scene = Scene::new(rect.grow(16), imagery, vec![smooth], &params());
-    let fine = scene.detailed(rect, 3);
-    let jump = |x: usize| {
-        let steps = (0..fine.height()).map(|y| {
-            let row = &fine.plane(0)[y * fine.width()..];
-            f64::from(row[x] - row[x - 1]).powi(2)
-        });
-        steps.sum::<f64>()
-    };
-    let usual = (65..128).chain(129..192).map(jump).fold(0.0, f64::max);
-    assert!(jump(128) < usual, "{} {usual}", jump(128));
-    assert!(usual < 192.0 * 0.04 * 0.04, "{usual}");
-    // And it is the same from the other side.
-    let other = scene.detailed(SampleRect::at(around - 16, 480_000, 32, 24), 3);
-    assert_eq!(other, fine);
-}
-
-#[test]
-fn a_mask_says_where_detail_is() {
-    let rect = SampleRect::at(200_000, 300_000, 24, 24);
-    let grid = Grid::new(Arc::new(COARSE.lattice()), rect.grow(16));
-    let imagery = varied(rect.grow(16), 8);
-    let mask = |weight: f32| Arc::new(Constant::mask(weight));
-    let with = |weight: f32| {
-        let mut b = GraphBuilder::default();
-        let input = b.add(Arc::new(Memory::new(&grid, imagery.clone())), &[]);
-        let mask = b.add(mask(weight), &[]);
-        let node = ExampleDetail::new(Planet::EARTH, &params(), rough(), true);
-        let output = b.add(Arc::new(node), &[input, mask]);
-        let fine = Grid::new(
-            Arc::new(finer(COARSE, 2).lattice()),
-            SampleRect::new(rect.min * 4, rect.max * 4),
-        );
-        let graph = b.build();
-        let at = |node| {
-            graph
-                .evaluate(node, &fine, &Cancel::default())
-                .expect("no errors")
-        };
-        (at(input), at(output))
-    };
-    let (input, nothing) = with(0.0);
-    assert_eq!(nothing, input);
-    let (_, all) = with(1.0);
-    let scene = Scene::new(rect.grow(16), imagery.clone(), rough(), &params());
-    assert_eq!(all, scene.detailed(rect, 2));
-    let (_, half) = with(0.5);
-    for ((a, b), mixed) in input
-        .samples()
-        .iter()
-        .zip(all.samples())
-        .zip(half.samples())
-    {
-        let expected = 0.5 * (linear_from_srgb(*a) + linear_from_srgb(*b));
-        assert!((linear_from_srgb(*mixed) - expected).abs() < 1e-5);
-    }
-}
-
-#[test]
-fn imagery_of_the_exemplar_itself_is_as_rough_as_the_exemplar() {
-    let truth = colours(SampleRect::at(0, 0, 256, 256), |x, y, c| {
-        0.3 + 0.1 * c as f32 + 0.2 * noise(x / 2, y / 2, 4) + 0.15 * noise(x / 9, y / 7, 5)
-    });
-    let spacing_m = spacing_m(finer(COARSE, 3));
-    let own = Arc::new(Exemplar::new(&truth, spacing_m).expect("colours"));
-    let mut imagery = truth.clone();
-    for _ in 0..3 {
-        imagery = halve(&imagery);
-    }
-    // On the equator, where samples are square.
-    let rect = SampleRect::at(100_000, COARSE.samples().y / 2, 32, 32);
-    let scene = Scene::new(rect, imagery, vec![own], &params());
-    let inner = rect.grow(-8);
-    let fine = scene.detailed(inner, 3);
-    let smooth = Scene::new(
-        rect,
-        scene.at(scene.input, COARSE, rect),
-        vec![exemplar([0.5; 3], |_, _| 0.0)],
-        &params(),
-    )
-    .detailed(inner, 3);
-    let wanted = roughness(&truth, 0..255).iter().sum::<f64>();
-    let got = roughness(&fine, 0..127).iter().sum::<f64>();
-    let without = roughness(&smooth, 0..127).iter().sum::<f64>();
-    assert!((0.6..1.4).contains(&(got / wanted)), "{got} for {wanted}");
-    assert!(without < 0.1 * wanted, "{without} for {wanted}");
 }
 
 #[test]
