@@ -206,8 +206,9 @@ fn a_lens_that_moves_makes_only_the_tiles_again_that_it_leaves_or_enters() {
         ..Mask::default()
     };
     let mut engine = engine(Some(lens(-300.0)), vec![], Path::new("."));
+    // From so high that the lens is small beside a tile.
     engine.set_view(View {
-        colour_window: 1024,
+        camera: Camera::from_degrees(LON, LAT, 2.0e4, 0.0, -60.0, 60.0).unwrap(),
         ..view()
     });
     converge(&mut engine);
