@@ -181,7 +181,10 @@ fn a_revision_waits_for_the_tiles_that_the_picture_reads_and_for_no_others() {
     // One worker makes tiles one by one: none comes before those that the picture reads but the
     // one that it may have begun when they were asked for.
     let last = made.iter().rposition(|key| selected.contains(key)).unwrap();
-    let others = made[..last].iter().filter(|k| !selected.contains(k)).count();
+    let others = made[..last]
+        .iter()
+        .filter(|k| !selected.contains(k))
+        .count();
     assert!(others <= 1, "{others} tiles that nothing waits for");
     assert!(selected.iter().all(|key| made.contains(key)));
     converge(&mut engine);

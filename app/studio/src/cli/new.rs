@@ -231,6 +231,7 @@ fn say_how_tiles_are_read(kind: &mut LayerKind, arguments: &Arguments) {
         }
         LayerKind::Imagery(imagery) => imagery.source.tile_rows = rows,
         LayerKind::Noise(_)
+        | LayerKind::Detail(_)
         | LayerKind::Tint(_)
         | LayerKind::Slope(_)
         | LayerKind::Contours(_)

@@ -117,6 +117,7 @@ impl Inspector {
                     LayerKind::Imagery(l) => imagery(ui, id, l, actions),
                     LayerKind::Height(l) => height(ui, id, l, actions),
                     LayerKind::Noise(l) => heights::noise(ui, id, &l.noise, actions),
+                    LayerKind::Detail(l) => heights::detail(ui, id, &l.detail, actions),
                     LayerKind::Tint(l) => tint_layer(ui, id, l, actions),
                     LayerKind::Slope(l) => {
                         blend(ui, id, l.blend, actions);

@@ -32,6 +32,13 @@ pub(crate) fn show(
                 };
                 row("Place", coordinates(place.lon_deg, place.lat_deg, notation));
                 row("Height", format!("{:.2} m", place.height_m));
+                if let (Some(data_m), Some(below_m)) =
+                    (place.data_height_m, place.synthesised_below_m)
+                {
+                    let finer = length(below_m);
+                    row("Synthesised", format!("what is shorter than {finer}"));
+                    row("By the data", format!("{data_m:.2} m"));
+                }
                 if let Some(slope) = place.slope_deg {
                     row("Slope", format!("{slope:.1}°"));
                 }

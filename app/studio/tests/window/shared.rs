@@ -162,6 +162,7 @@ impl Window {
             other @ (LayerKind::Imagery(_)
             | LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Slope(_)
             | LayerKind::Contours(_)
             | LayerKind::Vector(_)

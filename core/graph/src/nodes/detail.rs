@@ -18,7 +18,7 @@ use super::lanes::{LANES, Lanes};
 use super::noise::{scrambled, simplex};
 use crate::node::{Artefact, Made};
 use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
-use field::{Field, touched, where_is};
+use field::{Circle, Field, spacing_m, touched};
 use ladder::{Octave, octaves, smooth};
 use survey::{PatchOf, Survey};
 use waves::Waves;
@@ -219,10 +219,19 @@ impl Detail {
         for made in &self.octaves {
             let mut amplitude_m = [0.0; LANES];
             let mut any = false;
+            // On the map all samples of a row are alike.
+            let usual_m = places.spacing_m[0];
+            let usual = made.octave.shown(usual_m);
             for ((a, h), spacing_m) in amplitude_m.iter_mut().zip(&height_m).zip(&places.spacing_m)
             {
                 if *h != 0.0 {
-                    *a = h * made.octave.shown(*spacing_m) as f32;
+                    let alike = *spacing_m == usual_m;
+                    let shown = if alike {
+                        usual
+                    } else {
+                        made.octave.shown(*spacing_m)
+                    };
+                    *a = h * shown as f32;
                     any |= *a != 0.0;
                 }
             }
@@ -300,7 +309,7 @@ impl ImageNode for Detail {
                 }
             }
             known if known.is_complete(Bands::Height) => Known::Complete,
-            _ => Known::Nothing,
+            Known::Nothing | Known::Complete | Known::Uniform(_) => Known::Nothing,
         }
     }
 
@@ -341,34 +350,37 @@ impl ImageNode for Detail {
         let field = Field::new(&self.survey, artefacts);
         let width = out.width().max(1);
         let heights = inputs[0].plane(0).chunks_exact(width);
-        let mut places = Places {
-            unit: [[0.0; LANES]; 3],
-            spacing_m: [1.0; LANES],
-            height_m: [0.0; LANES],
-            falloff: [0.0; LANES],
+        let mut line = Line {
+            ground: &ground,
+            field: &field,
+            on: None,
+            first: rect.min.x,
+            columns: vec![(f64::NAN, (0.0, 0.0)); width],
+            places: Places {
+                unit: [[0.0; LANES]; 3],
+                spacing_m: [1.0; LANES],
+                height_m: [0.0; LANES],
+                falloff: [0.0; LANES],
+            },
         };
-        for ((line, heights), y) in out
-            .plane_mut(0)
-            .chunks_exact_mut(width)
-            .zip(heights)
-            .zip(rect.min.y..)
-        {
+        let rows = out.plane_mut(0).chunks_exact_mut(width).zip(heights);
+        for ((row, heights), y) in rows.zip(rect.min.y..) {
             if job.cancel.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            let strips = line.chunks_mut(LANES).zip(heights.chunks(LANES));
-            for ((line, heights), first) in strips.zip((rect.min.x..).step_by(LANES)) {
-                places.height_m = [0.0; LANES];
+            let strips = row.chunks_mut(LANES).zip(heights.chunks(LANES));
+            for ((strip, heights), first) in strips.zip((rect.min.x..).step_by(LANES)) {
+                line.places.height_m = [0.0; LANES];
                 let mut any = false;
-                for (l, h) in heights.iter().enumerate() {
-                    let sample = I64Vec2::new(first + l as i64, y);
-                    any |= !h.is_nan() && self.place(&ground, &field, sample, *h, l, &mut places);
+                for (lane, h) in heights.iter().enumerate() {
+                    let sample = I64Vec2::new(first + lane as i64, y);
+                    any |= !h.is_nan() && self.place(&mut line, sample, *h, lane);
                 }
                 let mut detail = [0.0; LANES];
                 if any {
-                    self.lanes(&places, &mut detail);
+                    self.lanes(&line.places, &mut detail);
                 }
-                for ((o, h), d) in line.iter_mut().zip(heights).zip(&detail) {
+                for ((o, h), d) in strip.iter_mut().zip(heights).zip(&detail) {
                     *o = match self.gives {
                         Gives::Amount if h.is_nan() => f32::NAN,
                         Gives::Amount => *d,
@@ -384,36 +396,71 @@ impl ImageNode for Detail {
 
 impl Detail {
     /// Puts a sample into a lane; whether it gets any detail.
-    fn place(
-        &self,
-        ground: &Ground,
-        field: &Field,
-        sample: I64Vec2,
-        height_m: f32,
-        lane: usize,
-        places: &mut Places,
-    ) -> bool {
+    fn place(&self, line: &mut Line, sample: I64Vec2, height_m: f32, lane: usize) -> bool {
         let share = self.params.strength * self.share_at(f64::from(height_m));
         if share == 0.0 {
             return false;
         }
-        let Some((place, spacing_m)) = where_is(ground, &self.planet, sample) else {
+        let Some(place) = line.ground.point(sample.as_dvec2() + 0.5) else {
             return false;
         };
-        if 2.0 * spacing_m >= self.survey.longest_m() {
-            return false;
-        }
-        let rough = field.at(place);
+        let on = match &mut line.on {
+            Some(on) if on.colat_rad == place.colat_rad => on,
+            before => before.insert(On::new(line.field, place.colat_rad)),
+        };
+        let spacing_m = match spacing_m(line.ground, &self.planet, sample, || on.sin_colat) {
+            Some(spacing_m) if 2.0 * spacing_m < self.survey.longest_m() => spacing_m,
+            _nothing_shows => return false,
+        };
+        let rough = line.field.at(&on.circle, place.lon_rad);
         if rough.height_m == 0.0 {
             return false;
         }
+        let column = &mut line.columns[(sample.x - line.first) as usize];
+        if column.0 != place.lon_rad {
+            *column = (place.lon_rad, libm::sincos(place.lon_rad));
+        }
+        let (sin_lon, cos_lon) = column.1;
+        let places = &mut line.places;
         places.spacing_m[lane] = spacing_m;
         places.height_m[lane] = rough.height_m * share as f32;
         places.falloff[lane] = rough.falloff;
-        for (axis, v) in place.to_unit().to_array().into_iter().enumerate() {
-            places.unit[axis][lane] = v;
-        }
+        places.unit[0][lane] = on.sin_colat * cos_lon;
+        places.unit[1][lane] = on.sin_colat * sin_lon;
+        places.unit[2][lane] = on.cos_colat;
         true
+    }
+}
+
+/// A line of samples on the way.
+struct Line<'a> {
+    ground: &'a Ground<'a>,
+    field: &'a Field<'a>,
+    /// Of the sample before: on the map all of a row lie on one.
+    on: Option<On>,
+    /// The first column, and the longitude of each with its sine and cosine: on the map those of the row before.
+    first: i64,
+    columns: Vec<(f64, (f64, f64))>,
+    places: Places,
+}
+
+/// A circle of latitude.
+struct On {
+    colat_rad: f64,
+    sin_colat: f64,
+    cos_colat: f64,
+    circle: Circle,
+}
+
+impl On {
+    fn new(field: &Field, colat_rad: f64) -> Self {
+        let (sin_colat, cos_colat) = libm::sincos(colat_rad);
+        Self {
+            colat_rad,
+            sin_colat,
+            cos_colat,
+            circle: field.circle(colat_rad),
+        }
     }
 }
 

@@ -133,6 +133,7 @@ fn fits(file: &Path, layer: &Layer) -> Result<(), String> {
         LayerKind::Height(_) => Bands::Height,
         LayerKind::Imagery(_)
         | LayerKind::Noise(_)
+        | LayerKind::Detail(_)
         | LayerKind::Tint(_)
         | LayerKind::Slope(_)
         | LayerKind::Contours(_)

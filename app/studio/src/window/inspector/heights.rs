@@ -1,7 +1,7 @@
 //! Sliders of layers that give heights.
 
 use eframe::egui::Ui;
-use relievo_engine::project::{Edit, HeightLayer, LayerId, Noise, NoiseMode};
+use relievo_engine::project::{Detail, DetailMethod, Edit, HeightLayer, LayerId, Noise, NoiseMode};
 
 use crate::window::action::Action;
 use crate::window::controls::{self, Number};
@@ -56,6 +56,32 @@ const GAIN: Number = Number::new(
 const MODES: [(NoiseMode, &str); 2] = [
     (NoiseMode::Add, "Add to heights below"),
     (NoiseMode::Replace, "Replace heights below"),
+];
+
+const STRENGTH: Number = Number::new(
+    "Strength",
+    "Factor on the heights that are added; 1 goes on as the data do",
+    0.0..=4.0,
+    1.0,
+);
+const STEEPER: Number = Number::new(
+    "Rougher slopes",
+    "How much steeper ground is rougher: from all of a region alike to in proportion",
+    0.0..=1.0,
+    0.5,
+);
+const SHORTEST: Number = Number::new(
+    "Shortest",
+    "Length of the shortest waves that are added",
+    0.1..=1000.0,
+    1.0,
+)
+.unit(" m", 1)
+.logarithmic();
+
+const METHODS: [(DetailMethod, &str); 2] = [
+    (DetailMethod::Simplex, "Simplex noise"),
+    (DetailMethod::Spectral, "Spectral waves"),
 ];
 
 /// How a file's values become metres.
@@ -115,4 +141,39 @@ pub(crate) fn noise(ui: &mut Ui, id: &LayerId, noise: &Noise, actions: &mut Vec<
             ..noise.clone()
         })));
     }
+}
+
+/// How heights below are continued beyond their own resolution.
+pub(crate) fn detail(ui: &mut Ui, id: &LayerId, detail: &Detail, actions: &mut Vec<Action>) {
+    let edit = |detail| Edit::SetDetail {
+        id: id.clone(),
+        detail,
+    };
+    let hint = "Spectral waves are nearer to the law of the data and several times dearer";
+    controls::choice(
+        ui,
+        "Method",
+        hint,
+        &METHODS,
+        detail.method,
+        actions,
+        |method| {
+            edit(Detail {
+                method,
+                ..detail.clone()
+            })
+        },
+    );
+    let mut row = |ui: &mut Ui, number: &Number, value: f64, set: &dyn Fn(&mut Detail, f64)| {
+        controls::number(ui, number, value, actions, |new| {
+            let mut detail = detail.clone();
+            set(&mut detail, new);
+            edit(detail)
+        });
+    };
+    row(ui, &STRENGTH, detail.strength, &|d, v| d.strength = v);
+    row(ui, &STEEPER, detail.slope, &|d, v| d.slope = v);
+    row(ui, &SHORTEST, detail.shortest_m, &|d, v| d.shortest_m = v);
+    row(ui, &SEED, f64::from(detail.seed), &|d, v| d.seed = v as u32);
+    ui.weak("Synthesised: measurements leave it out.");
 }

@@ -220,6 +220,7 @@ fn state(engine: &Engine, layer: &Layer) -> State {
         LayerKind::Imagery(_) => "imagery",
         LayerKind::Height(_) => "heights",
         LayerKind::Noise(_) => "noise heights",
+        LayerKind::Detail(_) => "detail of the heights below",
         LayerKind::Tint(_) => "height colours",
         LayerKind::Slope(_) => "slopes",
         LayerKind::Contours(_) => "contour lines",

@@ -29,63 +29,93 @@ struct Place {
     cell: usize,
 }
 
-/// The cells around a place and how much each counts; `columns_of` says how many patches a row has.
-fn around(
+/// A row of cells beside a circle of latitude.
+#[derive(Clone, Copy)]
+struct Row {
+    /// The row of patches that it belongs to.
+    patches: i64,
+    /// Number of its first cell in a patch.
+    first: usize,
+    /// Cells along a side of a patch, and around the planet.
+    per: i64,
+    columns: i64,
+    /// What is added to a longitude: half a turn beyond a pole.
+    east_rad: f64,
+    weight: f64,
+}
+
+/// The rows of cells around a colatitude; `columns_of` says how many patches a row has.
+fn rows_around(
     survey: &Survey,
     columns_of: impl Fn(i64) -> i64,
     cells: usize,
-    place: MapPoint,
-) -> [(Place, f64); 4] {
+    colat_rad: f64,
+) -> [Row; 2] {
     let per = cells as i64;
     let rows = survey.rows() * per;
-    let v = place.colat_rad / PI * rows as f64 - 0.5;
-    let first_row = libm::floor(v);
-    let share_y = v - first_row;
-    let corner = |east: i64, south: i64| {
-        let mut row = first_row as i64 + south;
-        let mut lon_rad = place.lon_rad;
+    let v = colat_rad / PI * rows as f64 - 0.5;
+    let first = libm::floor(v);
+    let share = v - first;
+    [(0, 1.0 - share), (1, share)].map(|(south, weight)| {
+        let mut row = first as i64 + south;
         // Beyond a pole lies the opposite meridian.
-        if row < 0 || row >= rows {
+        let beyond = row < 0 || row >= rows;
+        if beyond {
             row = if row < 0 {
                 -1 - row
             } else {
                 2 * rows - 1 - row
             };
-            lon_rad += PI;
         }
-        let columns = columns_of(row / per) * per;
-        let u = (lon_rad + PI) / TAU * columns as f64 - 0.5;
+        Row {
+            patches: row / per,
+            first: (row % per * per) as usize,
+            per,
+            columns: columns_of(row / per) * per,
+            east_rad: if beyond { TAU } else { PI },
+            weight,
+        }
+    })
+}
+
+impl Row {
+    /// The cells around a longitude and how much each counts.
+    fn around(&self, lon_rad: f64) -> [(Place, f64); 2] {
+        let u = (lon_rad + self.east_rad) / TAU * self.columns as f64 - 0.5;
         let first = libm::floor(u);
-        let share_x = u - first;
-        let column = (first as i64 + east).rem_euclid(columns);
-        let weight = |share: f64, second: i64| if second == 1 { share } else { 1.0 - share };
-        (
-            Place {
-                column: column / per,
-                row: row / per,
-                cell: (row % per * per + column % per) as usize,
-            },
-            weight(share_x, east) * weight(share_y, south),
-        )
-    };
-    [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)]
+        let share = u - first;
+        [(0, 1.0 - share), (1, share)].map(|(east, share)| {
+            let column = (first as i64 + east).rem_euclid(self.columns);
+            let place = Place {
+                column: column / self.per,
+                row: self.patches,
+                cell: self.first + (column % self.per) as usize,
+            };
+            (place, share * self.weight)
+        })
+    }
 }
 
 /// A sample's place and its longer side on the ground in metres; `None` where the plane shows no place.
-pub(super) fn where_is(
+fn where_is(ground: &Ground, planet: &Planet, sample: I64Vec2) -> Option<(MapPoint, f64)> {
+    let place = ground.point(sample.as_dvec2() + 0.5)?;
+    let spacing_m = spacing_m(ground, planet, sample, || libm::sin(place.colat_rad))?;
+    Some((place, spacing_m))
+}
+
+/// A sample's longer side on the ground in metres.
+pub(super) fn spacing_m(
     ground: &Ground,
     planet: &Planet,
     sample: I64Vec2,
-) -> Option<(MapPoint, f64)> {
-    let place = ground.point(sample.as_dvec2() + 0.5)?;
-    let spacing_m = if let Some(step) = ground.map_step() {
-        let across = step.x * libm::sin(place.colat_rad);
-        DVec2::new(across, step.y).abs().max_element() * planet.radius_m
-    } else {
-        let [column, row] = ground.steps_m(planet, sample)?;
-        column.length().max(row.length())
-    };
-    Some((place, spacing_m))
+    sin_colat: impl Fn() -> f64,
+) -> Option<f64> {
+    if let Some(step) = ground.map_step() {
+        let sides = DVec2::new(step.x * sin_colat(), step.y).abs();
+        return Some(sides.max_element() * planet.radius_m);
+    }
+    let [column, row] = ground.steps_m(planet, sample)?;
+    Some(column.length().max(row.length()))
 }
 
 /// Patches, column and row, that decide the samples of a grid, sorted.
@@ -98,8 +128,10 @@ pub(super) fn touched(
     let Grid { lattice, rect } = grid;
     let columns_of = |row| survey.columns(row);
     let mut add = |place: MapPoint| {
-        for (cell, _) in around(survey, columns_of, WIDE_CELLS, place) {
-            all.insert((cell.row, cell.column));
+        for row in rows_around(survey, columns_of, WIDE_CELLS, place.colat_rad) {
+            for (cell, _) in row.around(place.lon_rad) {
+                all.insert((cell.row, cell.column));
+            }
         }
     };
     let cell_m = WIDE as f64 * survey.step_m();
@@ -188,24 +220,37 @@ impl<'a> Field<'a> {
         self.patches.get(at).map(|patch| &**patch)
     }
 
-    /// How rough a place is: bilinear between cells, so that nothing jumps.
-    pub(super) fn at(&self, place: MapPoint) -> Rough {
-        let (mut height_m, mut falloff, mut steep) = (0.0, 0.0, 0.0);
+    /// The cells beside a circle of latitude.
+    pub(super) fn circle(&self, colat_rad: f64) -> Circle {
         let columns_of = |row| self.columns(row);
-        for (cell, weight) in around(self.survey, columns_of, WIDE_CELLS, place) {
-            if let Some(patch) = self.patch(&cell) {
-                let [h, f] = patch.law[cell.cell].map(f64::from);
-                height_m += weight * h;
-                // Where nothing is rough nothing is said of how that falls off.
-                falloff += weight * h * f;
+        let rows = |cells| rows_around(self.survey, columns_of, cells, colat_rad);
+        Circle {
+            wide: rows(WIDE_CELLS),
+            narrow: rows(NARROW_CELLS),
+        }
+    }
+
+    /// How rough a place on a circle of latitude is: bilinear between cells, so that nothing jumps.
+    pub(super) fn at(&self, circle: &Circle, lon_rad: f64) -> Rough {
+        let (mut height_m, mut falloff, mut steep) = (0.0, 0.0, 0.0);
+        for row in &circle.wide {
+            for (cell, weight) in row.around(lon_rad) {
+                if let Some(patch) = self.patch(&cell) {
+                    let [h, f] = patch.law[cell.cell].map(f64::from);
+                    height_m += weight * h;
+                    // Where nothing is rough nothing is said of how that falls off.
+                    falloff += weight * h * f;
+                }
             }
         }
         if height_m == 0.0 {
             return Rough::default();
         }
-        for (cell, weight) in around(self.survey, columns_of, NARROW_CELLS, place) {
-            if let Some(patch) = self.patch(&cell) {
-                steep += weight * f64::from(patch.steepness[cell.cell]);
+        for row in &circle.narrow {
+            for (cell, weight) in row.around(lon_rad) {
+                if let Some(patch) = self.patch(&cell) {
+                    steep += weight * f64::from(patch.steepness[cell.cell]);
+                }
             }
         }
         Rough {
@@ -213,4 +258,10 @@ impl<'a> Field<'a> {
             falloff: (falloff / height_m) as f32,
         }
     }
+}
+
+/// The rows of cells beside a circle of latitude.
+pub(super) struct Circle {
+    wide: [Row; 2],
+    narrow: [Row; 2],
 }

@@ -63,7 +63,7 @@ pub(super) fn steepness(
             let first = (RIM + y * NARROW) * width + RIM + x * NARROW;
             let (mut sum, mut count) = (0.0, 0_u32);
             let (mut low, mut high, mut whole) = (f32::INFINITY, f32::NEG_INFINITY, true);
-            for j in 0..=NARROW {
+            for (j, per_m) in per_m.iter().chain([&0.0]).enumerate() {
                 for i in 0..=NARROW {
                     let at = first + j * width + i;
                     let here = heights[at];
@@ -73,7 +73,7 @@ pub(super) fn steepness(
                     if i == NARROW || j == NARROW {
                         continue;
                     }
-                    let east = f64::from(heights[at + 1] - heights[at - 1]) * per_m[j];
+                    let east = f64::from(heights[at + 1] - heights[at - 1]) * per_m;
                     let south = f64::from(heights[at + width] - heights[at - width]) * 0.5 / down_m;
                     let square = east * east + south * south;
                     if square.is_finite() {

@@ -26,9 +26,8 @@ struct Wave {
 /// An octave of plane waves: random directions and phases, lengths evenly spread over the octave, so that
 /// it has no gaps and adds nothing to other octaves. Variance 1, 0 on average.
 ///
-/// Sources: the spectral synthesis that [CH07] 2.2 names ([Ber03]), and D. Saupe in *The Science of Fractal
-/// Images* (1988), chapter 2; waves are summed in space instead of transformed on a lattice, so there is
-/// no period, no seam and no pole.
+/// Sources: the spectral synthesis that \[CH07\] names (\[Ber03\]), and \[Sau88\]; waves are summed in space
+/// instead of transformed on a lattice, so there is no period, no seam and no pole.
 #[derive(Clone, Debug)]
 pub(super) struct Waves {
     waves: Vec<Wave>,
@@ -121,11 +120,10 @@ mod tests {
         let mut unit = [[0.0; LANES]; 3];
         let mut noise = [0.0; LANES];
         for i in 0..2000_u32 {
-            for l in 0..LANES {
-                let at = f64::from(i) * 64.0 + l as f64;
-                unit[0][l] = at * 0.371;
-                unit[1][l] = at * 0.733;
-                unit[2][l] = at * 0.219;
+            for (axis, step) in unit.iter_mut().zip([0.371, 0.733, 0.219]) {
+                for (l, v) in axis.iter_mut().enumerate() {
+                    *v = (f64::from(i) * 64.0 + l as f64) * step;
+                }
             }
             waves.at(&unit, &mut noise);
             for v in noise {
