@@ -33,6 +33,8 @@ pub enum Command {
     AddFiles,
     /// Adds a layer of noise.
     AddNoise,
+    /// Adds a layer that continues heights beyond their resolution.
+    AddDetail,
     /// Adds a layer that colours heights.
     AddTint,
     /// Adds a layer that colours slopes.
@@ -71,6 +73,8 @@ pub enum Command {
     ResetView,
     /// Asks for coordinates and flies there.
     GoTo,
+    /// Colours the ground where detail is synthesised, or no longer.
+    Synthesised,
     /// Shows a pane, brings it to the front or hides it.
     Toggle(Pane),
     /// Puts all panes where they were at first.

@@ -138,6 +138,13 @@ pub const TABLE: &[Entry] = &[
         &[],
     ),
     entry(
+        Command::AddDetail,
+        Menu::Layer,
+        "Add detail",
+        "Continue the heights below beyond their resolution, as rough as their own data say",
+        &[],
+    ),
+    entry(
         Command::AddTint,
         Menu::Layer,
         "Add height colours",
@@ -305,6 +312,13 @@ pub const TABLE: &[Entry] = &[
         "Add bookmark",
         "Keep the present view under a name",
         &[keys(CTRL, Key::D)],
+    ),
+    entry(
+        Command::Synthesised,
+        Menu::View,
+        "Show synthesised detail",
+        "Colour the ground where its heights are continued beyond what was measured, or no longer",
+        &[],
     ),
     group(entry(
         Command::Compare(Mode::Swipe),

@@ -86,6 +86,7 @@ pub(super) fn adjust_of(kind: &LayerKind) -> Option<&Adjust> {
         LayerKind::Tint(tint) => Some(&tint.adjust),
         LayerKind::Height(_)
         | LayerKind::Noise(_)
+        | LayerKind::Detail(_)
         | LayerKind::Slope(_)
         | LayerKind::Contours(_)
         | LayerKind::Vector(_)

@@ -31,6 +31,7 @@ pub(crate) fn show(
                 for command in [
                     Command::AddFiles,
                     Command::AddNoise,
+                    Command::AddDetail,
                     Command::AddTint,
                     Command::AddSlope,
                     Command::AddContours,

@@ -129,6 +129,7 @@ impl Compiler<'_> {
             | LayerKind::Vector(_)
             | LayerKind::Height(_)
             | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
             | LayerKind::Unknown { .. } => vec![base, top],
         };
         let (inputs, masked) = self.also_masked(layer, inputs, &shows);

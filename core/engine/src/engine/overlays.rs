@@ -28,6 +28,11 @@ impl Engine {
         }
     }
 
+    /// Whether it does.
+    pub fn shows_synthesised(&self) -> bool {
+        self.shows_synthesised
+    }
+
     /// Shows marks over the project's colours, the first at the bottom, in place of those before.
     pub fn set_marks(&mut self, marks: Vec<Mark>) {
         let same = |(a, b): (&Mark, &Mark)| Arc::ptr_eq(&a.node, &b.node);

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, ThemePreference, ViewportCommand};
 use relievo_engine::project::{
-    ContoursLayer, Edit, LayerKind, Noise, NoiseLayer, ScenarioId, SlopeLayer,
+    ContoursLayer, Detail, DetailLayer, Edit, LayerKind, Noise, NoiseLayer, ScenarioId, SlopeLayer,
 };
 
 use super::layer_edits::map_colours;
@@ -99,6 +99,16 @@ impl Studio {
                     noise: Noise::default(),
                 }),
             ),
+            Command::AddDetail => self.add_made(
+                "Detail",
+                LayerKind::Detail(DetailLayer {
+                    detail: Detail::default(),
+                }),
+            ),
+            Command::Synthesised => {
+                let engine = self.document.engine_mut();
+                engine.show_synthesised(!engine.shows_synthesised());
+            }
             Command::AddTint => self.add_made("Height colours", LayerKind::Tint(map_colours())),
             Command::AddSlope => self.add_made("Slopes", LayerKind::Slope(SlopeLayer::default())),
             Command::AddContours => {

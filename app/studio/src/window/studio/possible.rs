@@ -41,6 +41,8 @@ impl Studio {
             | Command::Quit
             | Command::AddFiles
             | Command::AddNoise
+            | Command::AddDetail
+            | Command::Synthesised
             | Command::AddTint
             | Command::AddSlope
             | Command::AddContours
