@@ -84,6 +84,9 @@ impl Studio {
         if let Command::Use(tool) = command {
             return self.tools.tool == tool;
         }
+        if command == Command::Synthesised {
+            return self.document.engine().shows_synthesised();
+        }
         let themes = [
             (Command::FollowSystem, ThemePreference::System),
             (Command::Dark, ThemePreference::Dark),
