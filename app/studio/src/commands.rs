@@ -7,7 +7,7 @@ use eframe::egui::{Context, KeyboardShortcut};
 
 use crate::window::{Mode, Pane, Tool};
 
-pub use keys::pressed;
+pub use keys::{pressed, uses_keys};
 pub use table::TABLE;
 
 /// Something that the user can ask the window to do.

@@ -1,12 +1,24 @@
 //! Which commands the keys ask for.
 
-use eframe::egui::{Context, Key, KeyboardShortcut};
+use eframe::egui::{Context, Id, Key, KeyboardShortcut};
 
 use super::{Command, TABLE};
 
-/// The commands whose keys are pressed, which are then used up. While a text is being edited only
-/// keys with Ctrl count.
+/// Where the widget is kept that uses plain keys itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct UsesKeys(Id);
+
+/// While a widget has the focus, plain keys (Delete, arrows) are its own.
+pub fn uses_keys(ctx: &Context, widget: Id) {
+    ctx.data_mut(|d| d.insert_temp(Id::NULL, UsesKeys(widget)));
+}
+
+/// The commands whose keys are pressed, which are then used up. While a text is being edited, or a widget
+/// has the focus that [uses plain keys](uses_keys), only keys with Ctrl count.
 pub fn pressed(ctx: &Context) -> Vec<Command> {
+    let focused = ctx.memory(|m| m.focused());
+    let used = ctx.data(|d| d.get_temp::<UsesKeys>(Id::NULL));
+    let in_use = focused.is_some_and(|id| used == Some(UsesKeys(id)));
     let typing = ctx.text_edit_focused();
     let mut all: Vec<(&KeyboardShortcut, Command)> = TABLE
         .iter()
@@ -15,7 +27,13 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
     // Ctrl+Shift+S is also Ctrl+S to who looks at Ctrl only.
     all.sort_by_key(|(s, _)| core::cmp::Reverse(modifiers(**s)));
     let allowed = |s: &KeyboardShortcut| {
-        !typing || (s.modifiers.command && s.logical_key != Key::Z && s.logical_key != Key::Y)
+        let undoes = matches!(s.logical_key, Key::Z | Key::Y);
+        match (typing, in_use) {
+            (false, false) => true,
+            (false, true) => s.modifiers.command,
+            // Texts have an undo of their own.
+            (true, _) => s.modifiers.command && !undoes,
+        }
     };
     ctx.input_mut(|input| {
         all.into_iter()

@@ -10,6 +10,7 @@ use relievo_engine::graph::nodes::Curve;
 use relievo_engine::project::{Adjust, CurvePoint, LayerId, ToneCurves};
 
 use super::changed;
+use crate::commands::uses_keys;
 use crate::window::action::Action;
 use crate::window::controls;
 use points::{added, moved, removed};
@@ -180,6 +181,7 @@ fn plane(
             ..EventFilter::default()
         };
         ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
+        uses_keys(ui.ctx(), response.id);
         if let Some(changed) = keys(ui, points, chosen) {
             *new = Some(changed);
         }
