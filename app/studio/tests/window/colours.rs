@@ -36,7 +36,7 @@ fn a_layer_is_matched_to_what_lies_below_in_one_step_that_can_be_taken_back() {
     assert_ne!(adjust(&window, "high"), Adjust::default());
     window.until("its figures", |w| {
         w.harness
-            .query_by_label_contains("show the same ground")
+            .query_by_label_contains("places compared")
             .is_some()
     });
     window.press(Modifiers::COMMAND, Key::Z);
@@ -64,7 +64,8 @@ fn layers_are_balanced_and_the_one_that_is_kept_stays() {
 #[test]
 fn a_curve_is_bent_by_clicks_by_drags_and_by_keys() {
     let mut window = Window::open(TINTS);
-    window.click("Curves");
+    window.harness.get_by_label("Curves").click();
+    window.steps();
     let plane = "Tone curve of all channels, 0 points";
     let rect = window
         .harness

@@ -133,7 +133,7 @@ pub const MOST_PICTURES: usize = 256;
 /// How much all pictures want to stay as they are, against all places that they have in common.
 ///
 /// Small enough that a place too few does not show, large enough that pictures without any overlap stay.
-const STAY: f64 = 1e-3;
+const STAY: f64 = 1e-6;
 
 /// Gains and offsets of `pictures` pictures, so that means and standard deviations agree in all overlaps
 /// at once in the least squares; `held` (if any) keeps its own look. Without a held picture the common look
