@@ -155,7 +155,8 @@ impl Compiler<'_> {
             let node = detail.and_then(|layer| self.detail_node(layer, spacing_m));
             let node = node.unwrap_or_else(none).amount();
             let top = self.builder.add(Arc::new(node), &[source]);
-            let (inputs, masked) = self.with_fade(layer, &file, &height.source, below, top)?;
+            let inputs = self.with_fade(layer, &file, &height.source, below, top)?;
+            let masked = inputs.len() == 3;
             let overlay = OverlayHeights::new(opacity, masked);
             return Some(self.builder.add(Arc::new(overlay), &inputs));
         }
