@@ -36,8 +36,9 @@ struct Row {
     patches: i64,
     /// Number of its first cell in a patch.
     first: usize,
-    /// Cells along a side of a patch, and around the planet.
-    per: i64,
+    /// Two to this power cells along a side of a patch.
+    per: u32,
+    /// Cells around the planet, a power of two.
     columns: i64,
     /// What is added to a longitude: half a turn beyond a pole.
     east_rad: f64,
@@ -70,7 +71,7 @@ fn rows_around(
         Row {
             patches: row / per,
             first: (row % per * per) as usize,
-            per,
+            per: per.trailing_zeros(),
             columns: columns_of(row / per) * per,
             east_rad: if beyond { TAU } else { PI },
             weight,
@@ -82,14 +83,17 @@ impl Row {
     /// The cells around a longitude and how much each counts.
     fn around(&self, lon_rad: f64) -> [(Place, f64); 2] {
         let u = (lon_rad + self.east_rad) / TAU * self.columns as f64 - 0.5;
-        let first = libm::floor(u);
-        let share = u - first;
+        // Shifts and masks: divisions of integers would take longer than the noise.
+        let toward_zero = u as i64;
+        let first = toward_zero - i64::from(toward_zero as f64 > u);
+        let share = u - first as f64;
+        let in_patch = (1 << self.per) - 1;
         [(0, 1.0 - share), (1, share)].map(|(east, share)| {
-            let column = (first as i64 + east).rem_euclid(self.columns);
+            let column = (first + east) & (self.columns - 1);
             let place = Place {
-                column: column / self.per,
+                column: column >> self.per,
                 row: self.patches,
-                cell: self.first + (column % self.per) as usize,
+                cell: self.first + (column & in_patch) as usize,
             };
             (place, share * self.weight)
         })
