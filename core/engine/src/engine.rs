@@ -73,8 +73,7 @@ pub struct Engine {
     /// The layer that is being edited: what lies below it is pinned.
     pinned: Option<LayerId>,
     difference: Option<(Option<ScenarioId>, HeightDifference)>,
-    /// Whether the ground is coloured where it is synthesised.
-    shows_synthesised: bool,
+    synthesised: overlays::Synthesised,
     /// What lies over the project's colours.
     marks: Vec<Mark>,
     revisions: u64,
@@ -164,7 +163,7 @@ impl Engine {
             messages: Messages::default(),
             pinned: None,
             difference: None,
-            shows_synthesised: false,
+            synthesised: overlays::Synthesised::default(),
             marks: Vec::new(),
             revisions: 0,
             file_news: 0,

@@ -4,15 +4,16 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
-use relievo_engine::analysis::{ProfileSettings, Task};
+use relievo_engine::analysis::{ProfileSettings, Task, Version, VolumeSettings};
 use relievo_engine::graph::roughness::Surface;
-use relievo_engine::planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
+use relievo_engine::planet::{Camera, Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_engine::project::{
     Detail, DetailLayer, DetailMethod, HeightLayer, Layer, LayerId, LayerKind, Project, Source,
 };
 use relievo_engine::raster::Cancel;
-use relievo_engine::{Bake, Engine, EngineOptions, Output, Questions, Stage};
+use relievo_engine::{Bake, Engine, EngineOptions, Layout, Output, Questions, Stage, View};
 
 const WASATCH: &str = "wasatch-dem.tif";
 const EARTH: &str = "earth-etopo5.tif";
@@ -42,6 +43,7 @@ fn engine(layers: Vec<Layer>) -> Engine {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects/data");
     let options = EngineOptions {
         threads: Some(1),
+        log: true,
         cache_folder: None,
         ..EngineOptions::default()
     };
@@ -191,4 +193,59 @@ fn thinned_data_with_detail_are_about_as_rough_as_the_data_were() {
             );
         }
     }
+}
+
+#[test]
+fn a_comparison_says_that_detail_is_left_out() {
+    let cancel = Cancel::default();
+    let notes = |layers: Vec<Layer>| {
+        let compared = engine(layers).comparison(&Version::Ground, &Version::Base, None);
+        let settings = VolumeSettings::from_spacing(50.0);
+        let report = compared.unwrap().measure(&settings, &Task::quiet(&cancel));
+        report.unwrap().notes.concat()
+    };
+    let finer = || detail(DetailMethod::Simplex);
+    assert!(notes(vec![file(WASATCH), finer()]).contains("Detail beyond"));
+    assert!(!notes(vec![file(WASATCH)]).contains("Detail beyond"));
+}
+
+/// Drains until the picture is whole and nothing is being made.
+fn converge(engine: &mut Engine) {
+    for _ in 0..4000 {
+        let whole = engine.drain(f32::INFINITY).unwrap().is_converged();
+        if engine.wait(Duration::from_millis(50)) && whole {
+            return;
+        }
+    }
+    panic!("does not converge: {:?}", engine.stats());
+}
+
+#[test]
+fn a_near_picture_converges_and_showing_what_is_synthesised_makes_no_height_again() {
+    let mut engine = engine(vec![file(WASATCH), detail(DetailMethod::Simplex)]);
+    engine.set_view(View {
+        camera: Camera::from_degrees(-111.6, 40.3, 3500.0, 0.0, -50.0, 60.0).unwrap(),
+        viewport_px: [160, 120],
+        layout: Layout::STANDARD,
+        colour_window: 256,
+        colour_texel_px: 1.0,
+        height_texel_px: 2.0,
+        max_taps: 4,
+    });
+    converge(&mut engine);
+    let before = engine.take_log();
+    assert!(before.iter().any(|made| made.kind == "detail"));
+    assert!(before.iter().all(|made| made.ready));
+    engine.show_synthesised(true);
+    converge(&mut engine);
+    let made = engine.take_log();
+    assert!(made.iter().any(|made| made.kind == "overlay"), "{made:?}");
+    let again = |kind: &str| {
+        made.iter()
+            .any(|m| m.kind == kind && before.iter().any(|b| b.id == m.id))
+    };
+    assert!(!again("detail") && !again("overlay heights"));
+    engine.show_synthesised(false);
+    converge(&mut engine);
+    assert_eq!(engine.take_log().len(), 0);
 }

@@ -161,7 +161,7 @@ impl PowerLaw {
     ///   put back here. 0 for heights that lack nothing.
     pub fn fit(measured: &[Measured], spacing_m: f64) -> Option<Self> {
         let mut law: Option<Self> = None;
-        // What is lacking depends on the exponent: three rounds settle it to a hundredth.
+        // What is lacking depends on the exponent: four rounds settle it to a hundredth.
         for _ in 0..4 {
             let exponent = law.map_or(USUAL_EXPONENT, |law| law.exponent);
             law = Self::through(measured, |lag_m| ln_lacking(lag_m / spacing_m, exponent));
@@ -211,7 +211,7 @@ impl PowerLaw {
 /// means over their samples, bilinear between them.
 ///
 /// Fitted within 0.2 dB at lags of 1.5 to 8 to surfaces of random phases with exponents of 0.4, 0.7 and 1 and
-/// sixteen times finer than the data ([decision 30](../../../docs/decisions/0030-detail-follows-the-measured-law.md)).
+/// sixteen times finer than the data.
 fn ln_lacking(lag: f64, exponent: f64) -> f64 {
     if !lag.is_finite() {
         return 0.0;

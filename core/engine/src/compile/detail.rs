@@ -36,18 +36,15 @@ impl Compiler<'_> {
         let mut continues_none = true;
         let mut all = Vec::new();
         for (i, layer) in layers.iter().enumerate() {
-            match &layer.kind {
-                LayerKind::Detail(_) => {
-                    if continues_none {
-                        self.left_out
-                            .push((layer.id.clone(), "no heights to continue below"));
-                    }
-                    continues_none = true;
-                    continue;
+            if matches!(layer.kind, LayerKind::Detail(_)) {
+                if continues_none {
+                    let reason = "no heights to continue below";
+                    self.left_out.push((layer.id.clone(), reason));
                 }
-                LayerKind::Height(_) => continues_none = false,
-                _noise => {}
+                continues_none = true;
+                continue;
             }
+            continues_none &= !matches!(layer.kind, LayerKind::Height(_));
             all.push((*layer, above(i)));
         }
         all

@@ -8,6 +8,16 @@ use super::Engine;
 use crate::difference::HeightDifference;
 use crate::marks::Mark;
 
+/// How ground that is synthesised is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Synthesised {
+    /// As all other ground.
+    #[default]
+    Plain,
+    /// In colours of its own.
+    Coloured,
+}
+
 impl Engine {
     /// Colours the ground by how much higher or lower it is than in another scenario (`None`: the
     /// base), over everything else; `None` shows it as it is. No part of the project, and only tiles
@@ -22,8 +32,13 @@ impl Engine {
     /// Colours the ground where detail beyond the data's own resolution is seen, the stronger the higher it
     /// is. No part of the project.
     pub fn show_synthesised(&mut self, shows: bool) {
-        if self.shows_synthesised != shows {
-            self.shows_synthesised = shows;
+        let wanted = if shows {
+            Synthesised::Coloured
+        } else {
+            Synthesised::Plain
+        };
+        if self.synthesised != wanted {
+            self.synthesised = wanted;
             self.stale = true;
         }
     }

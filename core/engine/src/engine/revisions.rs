@@ -10,6 +10,7 @@ use relievo_planet::TileKey;
 
 use super::Engine;
 use super::asking::named;
+use super::overlays::Synthesised;
 use crate::compile;
 use crate::frame::ClipKind;
 use crate::scenarios::as_shown;
@@ -35,7 +36,7 @@ impl Engine {
         let wish = compile::Wish {
             pinned: self.pinned.as_ref(),
             difference: compared.as_ref().map(|(other, by)| (&**other, *by)),
-            synthesised: self.shows_synthesised,
+            synthesised: self.synthesised == Synthesised::Coloured,
             marks: &self.marks,
         };
         let compiled = compile::compile(

@@ -36,9 +36,11 @@ struct Row {
     patches: i64,
     /// Number of its first cell in a patch.
     first: usize,
-    /// Cells along a side of a patch, and around the planet.
-    per: i64,
+    /// Two to this power cells along a side of a patch.
+    per: u32,
+    /// Cells around the planet, a power of two.
     columns: i64,
+    cells_per_rad: f64,
     /// What is added to a longitude: half a turn beyond a pole.
     east_rad: f64,
     weight: f64,
@@ -67,32 +69,63 @@ fn rows_around(
                 2 * rows - 1 - row
             };
         }
+        let columns = columns_of(row / per) * per;
         Row {
             patches: row / per,
             first: (row % per * per) as usize,
-            per,
-            columns: columns_of(row / per) * per,
+            per: per.trailing_zeros(),
+            columns,
+            cells_per_rad: columns as f64 / TAU,
             east_rad: if beyond { TAU } else { PI },
             weight,
         }
     })
 }
 
+/// Two neighbouring cells of a row.
+#[derive(Clone, Copy)]
+struct Pair {
+    /// Their patches, and their numbers in a patch's row of cells.
+    cells: [(i64, usize); 2],
+    /// How much the eastern one counts.
+    share: f64,
+}
+
 impl Row {
-    /// The cells around a longitude and how much each counts.
-    fn around(&self, lon_rad: f64) -> [(Place, f64); 2] {
-        let u = (lon_rad + self.east_rad) / TAU * self.columns as f64 - 0.5;
-        let first = libm::floor(u);
-        let share = u - first;
-        [(0, 1.0 - share), (1, share)].map(|(east, share)| {
-            let column = (first as i64 + east).rem_euclid(self.columns);
+    /// The cells around a longitude.
+    fn pair(&self, lon_rad: f64) -> Pair {
+        // Shifts and masks: divisions would take longer than the noise.
+        let u = (lon_rad + self.east_rad) * self.cells_per_rad - 0.5;
+        let toward_zero = u as i64;
+        let first = toward_zero - i64::from(toward_zero as f64 > u);
+        let in_patch = (1 << self.per) - 1;
+        Pair {
+            cells: [0, 1].map(|east| {
+                let column = (first + east) & (self.columns - 1);
+                (column >> self.per, (column & in_patch) as usize)
+            }),
+            share: u - first as f64,
+        }
+    }
+}
+
+/// Calls `each` with the cells around a longitude and how much each counts.
+#[inline]
+fn around(rows: &[Row; 2], lon_rad: f64, mut each: impl FnMut(Place, f64)) {
+    let [north, south] = rows;
+    let of_north = north.pair(lon_rad);
+    let alike = north.columns == south.columns && north.east_rad == south.east_rad;
+    let of_south = if alike { of_north } else { south.pair(lon_rad) };
+    for (row, pair) in [(north, of_north), (south, of_south)] {
+        let [west, east] = pair.cells;
+        for ((column, cell), share) in [(west, 1.0 - pair.share), (east, pair.share)] {
             let place = Place {
-                column: column / self.per,
-                row: self.patches,
-                cell: self.first + (column % self.per) as usize,
+                column,
+                row: row.patches,
+                cell: row.first + cell,
             };
-            (place, share * self.weight)
-        })
+            each(place, share * row.weight);
+        }
     }
 }
 
@@ -128,11 +161,10 @@ pub(super) fn touched(
     let Grid { lattice, rect } = grid;
     let columns_of = |row| survey.columns(row);
     let mut add = |place: MapPoint| {
-        for row in rows_around(survey, columns_of, WIDE_CELLS, place.colat_rad) {
-            for (cell, _) in row.around(place.lon_rad) {
-                all.insert((cell.row, cell.column));
-            }
-        }
+        let rows = rows_around(survey, columns_of, WIDE_CELLS, place.colat_rad);
+        around(&rows, place.lon_rad, |cell, _| {
+            all.insert((cell.row, cell.column));
+        });
     };
     let cell_m = WIDE as f64 * survey.step_m();
     let ground = Ground::new(lattice, node)?;
@@ -209,6 +241,7 @@ impl<'a> Field<'a> {
         known.get().1
     }
 
+    #[inline]
     fn patch(&self, place: &Place) -> Option<&Patch> {
         let is_it = |patch: &Patch| patch.column == place.column && patch.row == place.row;
         let last = self.patches.get(self.last.get());
@@ -233,26 +266,22 @@ impl<'a> Field<'a> {
     /// How rough a place on a circle of latitude is: bilinear between cells, so that nothing jumps.
     pub(super) fn at(&self, circle: &Circle, lon_rad: f64) -> Rough {
         let (mut height_m, mut falloff, mut steep) = (0.0, 0.0, 0.0);
-        for row in &circle.wide {
-            for (cell, weight) in row.around(lon_rad) {
-                if let Some(patch) = self.patch(&cell) {
-                    let [h, f] = patch.law[cell.cell].map(f64::from);
-                    height_m += weight * h;
-                    // Where nothing is rough nothing is said of how that falls off.
-                    falloff += weight * h * f;
-                }
+        around(&circle.wide, lon_rad, |cell, weight| {
+            if let Some(patch) = self.patch(&cell) {
+                let [h, f] = patch.law[cell.cell].map(f64::from);
+                height_m += weight * h;
+                // Where nothing is rough nothing is said of how that falls off.
+                falloff += weight * h * f;
             }
-        }
+        });
         if height_m == 0.0 {
             return Rough::default();
         }
-        for row in &circle.narrow {
-            for (cell, weight) in row.around(lon_rad) {
-                if let Some(patch) = self.patch(&cell) {
-                    steep += weight * f64::from(patch.steepness[cell.cell]);
-                }
+        around(&circle.narrow, lon_rad, |cell, weight| {
+            if let Some(patch) = self.patch(&cell) {
+                steep += weight * f64::from(patch.steepness[cell.cell]);
             }
-        }
+        });
         Rough {
             height_m: (height_m * steep) as f32,
             falloff: (falloff / height_m) as f32,
