@@ -16,7 +16,7 @@ pub fn uses_keys(ctx: &Context, widget: Id) {
 /// The commands whose keys are pressed, which are then used up. While a text is being edited, or a widget
 /// has the focus that [uses plain keys](uses_keys), only keys with Ctrl count.
 pub fn pressed(ctx: &Context) -> Vec<Command> {
-    let focused = ctx.memory(|m| m.focused());
+    let focused = ctx.memory(eframe::egui::Memory::focused);
     let used = ctx.data(|d| d.get_temp::<UsesKeys>(Id::NULL));
     let in_use = focused.is_some_and(|id| used == Some(UsesKeys(id)));
     let typing = ctx.text_edit_focused();

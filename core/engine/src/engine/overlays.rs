@@ -45,7 +45,7 @@ impl Engine {
 
     /// Whether it does.
     pub fn shows_synthesised(&self) -> bool {
-        self.shows_synthesised
+        self.synthesised == Synthesised::Coloured
     }
 
     /// Shows marks over the project's colours, the first at the bottom, in place of those before.
