@@ -206,9 +206,11 @@ fn a_lens_that_moves_makes_only_the_tiles_again_that_it_leaves_or_enters() {
         ..Mask::default()
     };
     let mut engine = engine(Some(lens(-300.0)), vec![], Path::new("."));
-    // From so high that the lens is small beside a tile.
+    // A look over many tiles, from so high that the lens is small beside one.
     engine.set_view(View {
         camera: Camera::from_degrees(LON, LAT, 2.0e4, 0.0, -60.0, 60.0).unwrap(),
+        colour_window: 1024,
+        viewport_px: [1280, 960],
         ..view()
     });
     converge(&mut engine);
