@@ -105,6 +105,7 @@ impl Compiler<'_> {
         below: Option<NodeIndex>,
     ) -> Option<NodeIndex> {
         let (said, left_out) = (self.problems.len(), self.left_out.len());
+        let layers = self.layers.clone();
         let mut amount = self.builder.add(Arc::new(Constant::height(0.0)), &[]);
         for (layer, detail) in self.height_layers(project) {
             amount = self.amount_with(layer, detail, amount).unwrap_or(amount);
@@ -112,6 +113,8 @@ impl Compiler<'_> {
         // Whatever is odd about a layer was told where it is shown.
         self.problems.truncate(said);
         self.left_out.truncate(left_out);
+        // These nodes say something of layers and are no part of them.
+        self.layers = layers;
         // Stops that are written down here rise.
         let Ok(tint) = Tint::new(&stops(), true) else {
             return below;
