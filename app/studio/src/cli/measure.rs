@@ -35,6 +35,12 @@ pub(crate) fn measured<R>(
     })
 }
 
+/// Notes what measurements leave out of the ground that pictures show.
+pub(crate) fn note_left_out(engine: &Engine, context: &mut Context) {
+    let sentence = engine.questions().left_out_of_measures();
+    context.notes.extend(sentence.map(str::to_owned));
+}
+
 /// Threads to measure on.
 pub(crate) fn threads(context: &Context) -> usize {
     context

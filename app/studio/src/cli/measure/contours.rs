@@ -66,6 +66,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let lines = measured("contours", &arguments.project, context, |task| {
         engine.questions().contours(&area, &settings, task)
     })?;
+    note_left_out(&engine, context);
     features::deliver(
         &contour_features(&lines),
         "contours",

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::super::scenario::Scenario;
 use super::super::units::{self, Place};
 use super::super::{Context, Failure, features, project};
-use super::{measured, unwritten};
+use super::{measured, note_left_out, unwritten};
 
 /// Ends of the names of rasters.
 const RASTERS: [&str; 3] = ["tif", "tiff", "png"];
@@ -48,6 +48,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let found = measured("flooding", &arguments.project, context, |task| {
         engine.questions().flood(seed, &settings, task)
     })?;
+    note_left_out(&engine, context);
     if let Some(file) = &arguments.file {
         let is_raster = |e: &std::ffi::OsStr| RASTERS.iter().any(|r| e.eq_ignore_ascii_case(r));
         if file.extension().is_some_and(is_raster) {

@@ -10,7 +10,7 @@ use relievo_engine::planet::MapPoint;
 use super::super::scenario::Scenario;
 use super::super::units::{self, Line};
 use super::super::{Context, Failure, features, project};
-use super::{deliver, measured};
+use super::{deliver, measured, note_left_out};
 
 /// Measure heights along a line.
 ///
@@ -53,6 +53,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let found = measured("profile", &arguments.project, context, |task| {
         engine.questions().profile(&line, &settings, task)
     })?;
+    note_left_out(&engine, context);
     let is_table = |file: &PathBuf| {
         file.extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("csv"))

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::super::scenario::Scenario;
 use super::super::units::{self, Place};
 use super::super::{Context, Failure, project};
-use super::{measured, threads, unwritten};
+use super::{measured, note_left_out, threads, unwritten};
 
 /// Show what can be seen from a place.
 ///
@@ -84,6 +84,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
     let found = measured("viewshed", &arguments.project, context, |task| {
         engine.questions().viewshed(observer, &settings, task)
     })?;
+    note_left_out(&engine, context);
     if let Some(file) = &arguments.file {
         write_viewshed(&found, file, context.cancel).map_err(unwritten)?;
     }

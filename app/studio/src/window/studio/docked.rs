@@ -42,6 +42,13 @@ impl Studio {
 
     fn pane(&mut self, ui: &mut Ui, pane: Pane, actions: &mut Vec<Action>) {
         let engine = self.document.engine();
+        let measures = matches!(
+            pane,
+            Pane::Profile | Pane::Volumes | Pane::Viewshed | Pane::Flood | Pane::Contours
+        );
+        if measures && let Some(sentence) = engine.questions().left_out_of_measures() {
+            ui.weak(sentence);
+        }
         match pane {
             Pane::View => self.viewport(ui, actions),
             Pane::Layers => {
