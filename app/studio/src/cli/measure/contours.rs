@@ -7,7 +7,7 @@ use relievo_engine::export::contour_features;
 
 use super::super::scenario::Scenario;
 use super::super::{Context, Failure, features, project, units};
-use super::measured;
+use super::{measured, note_left_out};
 
 /// Write contours of a region as GeoJSON or GeoPackage.
 ///
