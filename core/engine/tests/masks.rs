@@ -56,23 +56,23 @@ fn engine(mask: Option<Mask>, others: Vec<Layer>, folder: &Path) -> Engine {
     engine
 }
 
-fn range(from: f64, to: f64, fade: f64) -> Option<MaskRange> {
-    Some(MaskRange {
+fn range(from: f64, to: f64, fade: f64) -> MaskRange {
+    MaskRange {
         from,
         to,
         fade,
         extra: Extra::new(),
-    })
+    }
 }
 
-fn circle(east_m: f64, radius_m: f64) -> Option<MaskCircle> {
-    Some(MaskCircle {
+fn circle(east_m: f64, radius_m: f64) -> MaskCircle {
+    MaskCircle {
         lon_deg: LON + east_m / METRES.0,
         lat_deg: LAT,
         radius_m,
         fade_m: 0.0,
         extra: Extra::new(),
-    })
+    }
 }
 
 fn view() -> View {
@@ -96,7 +96,7 @@ fn colour(engine: &Engine, east_m: f64, north_m: f64) -> [u8; 4] {
 #[test]
 fn a_layer_shows_in_its_range_of_heights_and_fades_beyond() {
     let mask = Mask {
-        heights: range(30.0, 100.0, 20.0),
+        heights: Some(range(30.0, 100.0, 20.0)),
         ..Mask::default()
     };
     let engine = engine(Some(mask), vec![], Path::new("."));
@@ -112,7 +112,7 @@ fn a_layer_shows_in_its_range_of_heights_and_fades_beyond() {
 #[test]
 fn a_layer_shows_on_steep_ground_and_inverted_on_level_ground() {
     let steep = |invert| Mask {
-        slopes: range(20.0, 90.0, 0.0),
+        slopes: Some(range(20.0, 90.0, 0.0)),
         invert,
         ..Mask::default()
     };
@@ -128,8 +128,8 @@ fn a_layer_shows_on_steep_ground_and_inverted_on_level_ground() {
 #[test]
 fn all_that_a_mask_says_holds_at_once() {
     let mask = Mask {
-        heights: range(30.0, 100.0, 0.0),
-        circle: circle(0.0, 20.0),
+        heights: Some(range(30.0, 100.0, 0.0)),
+        circle: Some(circle(0.0, 20.0)),
         ..Mask::default()
     };
     let engine = engine(Some(mask), vec![], Path::new("."));
@@ -202,7 +202,7 @@ fn a_mask_that_says_nothing_makes_the_same_tiles_as_none() {
 #[test]
 fn a_lens_that_moves_makes_only_the_tiles_again_that_it_leaves_or_enters() {
     let lens = |east_m: f64| Mask {
-        circle: circle(east_m, 100.0),
+        circle: Some(circle(east_m, 100.0)),
         ..Mask::default()
     };
     let mut engine = engine(Some(lens(-300.0)), vec![], Path::new("."));

@@ -606,7 +606,7 @@ fn several_layers_balanced_at_once_look_like_the_one_that_is_held() {
     .json();
     let overlaps = told["overlaps"].as_array().unwrap();
     assert_eq!(overlaps.len(), 3, "{told}");
-    let mean = |overlap: &serde_json::Value, when: &str| overlap[when]["mean"].as_f64().unwrap();
+    let mean = |overlap: &Value, when: &str| overlap[when]["mean"].as_f64().unwrap();
     assert!(mean(&overlaps[0], "ciede2000_before") > 5.0, "{told}");
     let balanced = in_folder(folder.path(), "balanced.relievo");
     good(&["apply", &project, &edits, "-o", &balanced]);
