@@ -239,18 +239,27 @@ fn front(chart: &Chart, measured: &[FrontPoint]) -> Vec<FrontPoint> {
 
 fn report(measured: &[FrontPoint]) -> Report {
     let as_point = |p: &FrontPoint| Point::new(name(&p.setting), p.frame_ms, p.error_px);
-    let all = Curve {
-        name: "all settings".to_owned(),
-        points: measured.iter().map(as_point).collect(),
-        joined: false,
+    let curve = |name: &str, of: &[FrontPoint], joined| Curve {
+        name: name.to_owned(),
+        points: of.iter().map(as_point).collect(),
+        joined,
     };
-    let mut chart = Chart::trade("ms per frame", "error on the screen", "px", vec![all]);
-    let front = front(&chart, measured);
-    chart.curves.push(Curve {
-        name: "offered by the studio".to_owned(),
-        points: front.iter().map(as_point).collect(),
-        joined: true,
-    });
+    let trade = |curves| Chart::trade("ms per frame", "error on the screen", "px", curves);
+    let front = front(
+        &trade(vec![curve("all settings", measured, false)]),
+        measured,
+    );
+    // Each setting once.
+    let is_offered = |p: &&FrontPoint| front.iter().any(|f| f.setting == p.setting);
+    let others: Vec<FrontPoint> = measured
+        .iter()
+        .filter(|p| !is_offered(p))
+        .copied()
+        .collect();
+    let chart = trade(vec![
+        curve("other settings", &others, false),
+        curve("offered by the studio", &front, true),
+    ]);
     let caption = "Error: 9 in 10 pixels of ground have less, on flat or mountainous ground, whichever has \
         more, 1500 m up, looking 30° down, in pictures of 720 rows. A pixel's error is the distance on the \
         screen of its ground from the truth's ([Liv07] 6.1) plus (t − 1)/2, t = max(1, c·d₀/d, min(64, 1/sin γ)/n): \
