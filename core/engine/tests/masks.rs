@@ -12,7 +12,7 @@ use common::{LAT, LON, METRES, converge, is_beside, is_within, platform};
 use relievo_engine::planet::{Camera, MapPoint};
 use relievo_engine::project::{
     Adjust, Blend, Edit, Element, Extra, Layer, LayerId, LayerKind, Mask, MaskCircle, MaskRange,
-    Project, Tint, TintInterpolation, TintLayer, TintStop, VectorLayer,
+    Noise, NoiseLayer, Project, Tint, TintInterpolation, TintLayer, TintStop, VectorLayer,
 };
 use relievo_engine::raster::Cancel;
 use relievo_engine::{Engine, EngineOptions, View};
@@ -205,7 +205,20 @@ fn a_lens_that_moves_makes_only_the_tiles_again_that_it_leaves_or_enters() {
         circle: Some(circle(east_m, 100.0)),
         ..Mask::default()
     };
-    let mut engine = engine(Some(lens(-300.0)), vec![], Path::new("."));
+    // Hills in colours over all of it, so that no tile is one colour and left out.
+    let noise = Noise {
+        amplitude_m: 500.0,
+        wavelength_m: 20_000.0,
+        ..Noise::default()
+    };
+    let hills = LayerKind::Noise(NoiseLayer { noise });
+    let mut shade = one_colour("shade", [0; 3]);
+    if let LayerKind::Tint(tint) = &mut shade.kind {
+        tint.tint.stops.push(TintStop::new(500.0, [255; 3]));
+    }
+    shade.opacity = 0.5;
+    let hills = Layer::new(LayerId::from("hills"), "hills", hills);
+    let mut engine = engine(Some(lens(-300.0)), vec![hills, shade], Path::new("."));
     // A look over many tiles, from so high that the lens is small beside one.
     engine.set_view(View {
         camera: Camera::from_degrees(LON, LAT, 2.0e4, 0.0, -60.0, 60.0).unwrap(),
