@@ -79,6 +79,32 @@ const SHORTEST: Number = Number::new(
 .unit(" m", 1)
 .logarithmic();
 
+const LOWEST: Number = Number::new(
+    "Lowest",
+    "Lowest ground that gets detail",
+    -12_000.0..=25_000.0,
+    0.0,
+)
+.unit(" m", 0);
+const HIGHEST: Number = Number::new(
+    "Highest",
+    "Highest ground that gets detail",
+    -12_000.0..=25_000.0,
+    9000.0,
+)
+.unit(" m", 0);
+const FADE: Number = Number::new(
+    "Fade",
+    "Metres of height within these bounds over which detail fades in",
+    0.0..=10_000.0,
+    50.0,
+)
+.unit(" m", 0)
+.logarithmic();
+
+/// Bounds are at least so many metres apart.
+const APART_M: f64 = 1.0;
+
 const METHODS: [(DetailMethod, &str); 2] = [
     (DetailMethod::Simplex, "Simplex noise"),
     (DetailMethod::Spectral, "Spectral waves"),
@@ -175,5 +201,55 @@ pub(crate) fn detail(ui: &mut Ui, id: &LayerId, detail: &Detail, actions: &mut V
     row(ui, &STEEPER, detail.slope, &|d, v| d.slope = v);
     row(ui, &SHORTEST, detail.shortest_m, &|d, v| d.shortest_m = v);
     row(ui, &SEED, f64::from(detail.seed), &|d, v| d.seed = v as u32);
+    within_heights(ui, id, detail, actions);
     ui.weak("Synthesised: measurements leave it out.");
+}
+
+/// The range of heights that detail is kept to.
+fn within_heights(ui: &mut Ui, id: &LayerId, detail: &Detail, actions: &mut Vec<Action>) {
+    let set = |change: &dyn Fn(&mut Detail)| {
+        let mut detail = detail.clone();
+        change(&mut detail);
+        Edit::SetDetail {
+            id: id.clone(),
+            detail,
+        }
+    };
+    let mut on = detail.lowest_m.is_some() || detail.highest_m.is_some();
+    let hint = "Add detail only where the ground lies in a range of heights";
+    if ui
+        .checkbox(&mut on, "By height")
+        .on_hover_text(hint)
+        .changed()
+    {
+        let bounds = if on {
+            (Some(0.0), Some(9000.0))
+        } else {
+            (None, None)
+        };
+        actions.push(Action::Edit(set(&|d| {
+            (d.lowest_m, d.highest_m) = bounds;
+        })));
+    }
+    if !on {
+        return;
+    }
+    // Either bound gives way to the other.
+    let lowest_m = detail.lowest_m.unwrap_or(-12_000.0);
+    let highest_m = detail.highest_m.unwrap_or(25_000.0);
+    controls::number(ui, &LOWEST, lowest_m, actions, |v| {
+        set(&|d| {
+            d.lowest_m = Some(v);
+            d.highest_m = d.highest_m.map(|high| high.max(v + APART_M));
+        })
+    });
+    controls::number(ui, &HIGHEST, highest_m, actions, |v| {
+        set(&|d| {
+            d.highest_m = Some(v);
+            d.lowest_m = d.lowest_m.map(|low| low.min(v - APART_M));
+        })
+    });
+    controls::number(ui, &FADE, detail.fade_m, actions, |v| {
+        set(&|d| d.fade_m = v)
+    });
 }
