@@ -4,6 +4,7 @@ use crate::shared::{PROJECT, Window, sample};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
+use relievo_engine::project::LayerKind;
 
 #[test]
 fn the_eye_hides_and_shows_a_layer() {
@@ -319,6 +320,41 @@ fn menus_help_and_the_scene_page_open_without_complaints() {
     window.harness.get_by_label("File").click();
     window.steps();
     window.harness.get_by_label_contains("Save as");
+}
+
+#[test]
+fn detail_is_added_by_the_menu_and_kept_to_a_range_of_heights() {
+    let mut window = Window::open(PROJECT);
+    let detail = |w: &Window| {
+        let LayerKind::Detail(layer) = &w.layers().last().unwrap().kind else {
+            panic!("expected a layer of detail");
+        };
+        layer.detail.clone()
+    };
+    window.harness.get_by_label("Layer").click();
+    window.steps();
+    window.click("Add detail");
+    assert_eq!(detail(&window).lowest_m, None);
+    window
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "By height")
+        .click();
+    window.steps();
+    window
+        .harness
+        .get_by_role_and_label(Role::Slider, "Lowest")
+        .set_value_accesskit(9500.0);
+    window.steps();
+    // The other bound gives way.
+    let bounds = detail(&window);
+    assert_eq!(
+        (bounds.lowest_m, bounds.highest_m),
+        (Some(9500.0), Some(9501.0))
+    );
+    for _ in 0..3 {
+        window.press(Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(window.order(), ["hills", "low", "high"]);
 }
 
 const MISSING: &str = r#"{"version": 1, "layers": [
