@@ -120,7 +120,8 @@ mod on_device {
         let Content::Chart(trade) = &trade.content else {
             panic!("trade is a chart")
         };
-        let all = &trade.curves[0].points;
+        // Those that are offered and the others.
+        let all: Vec<_> = trade.curves.iter().flat_map(|c| &c.points).collect();
         assert_eq!(all.len(), 6, "three meshes with two numbers of taps");
         let error = |setting: &str| {
             let point = all.iter().find(|p| p.setting.starts_with(setting)).unwrap();

@@ -333,7 +333,8 @@ fn detail_is_added_by_the_menu_and_kept_to_a_range_of_heights() {
     };
     window.harness.get_by_label("Layer").click();
     window.steps();
-    window.click("Add detail");
+    window.harness.get_by_label_contains("Add detail").click();
+    window.steps();
     assert_eq!(detail(&window).lowest_m, None);
     window
         .harness
