@@ -47,7 +47,7 @@ use crate::labels::LabelCache;
 use crate::marks::Mark;
 use crate::masses::making::Bodies;
 use crate::message::{Message, Messages};
-use crate::query::Questions;
+use crate::query::{Questions, WITHOUT_DETAIL};
 use crate::residency::Stack;
 use crate::scenarios::as_shown;
 use crate::scene::Scene;
@@ -326,6 +326,12 @@ impl Engine {
     /// any thread while it may change here.
     pub fn questions(&self) -> Questions {
         self.questions_in(self.project.scenario.as_ref())
+    }
+
+    /// What measurements leave out of the ground that is shown, in a sentence; `None` if they leave out
+    /// nothing. Of the revision on the screen: it may be asked every frame.
+    pub fn left_out_of_measures(&self) -> Option<&'static str> {
+        self.shown.is_synthesised().then_some(WITHOUT_DETAIL)
     }
 
     /// As [`Self::questions`], of a scenario that need not be shown; `None` is the base.

@@ -11,6 +11,10 @@ use relievo_raster::{Block, Cancel};
 
 use crate::scene::Scene;
 
+/// What is said of measures where detail is shown.
+pub(crate) const WITHOUT_DETAIL: &str =
+    "Detail beyond the data's own resolution is left out of all measures.";
+
 /// What a project has at a place.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct PlaceAnswer {
@@ -149,8 +153,7 @@ impl Questions {
 
     /// What measurements leave out of the shown ground, in a sentence; `None` if they leave out nothing.
     pub fn left_out_of_measures(&self) -> Option<&'static str> {
-        (!Arc::ptr_eq(&self.scene, &self.surveyed))
-            .then_some("Detail beyond the data's own resolution is left out of all measures.")
+        (!Arc::ptr_eq(&self.scene, &self.surveyed)).then_some(WITHOUT_DETAIL)
     }
 
     /// The data's own height where detail changes it, and the wavelength below which that is made up.

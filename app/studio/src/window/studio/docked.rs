@@ -46,7 +46,7 @@ impl Studio {
             pane,
             Pane::Profile | Pane::Volumes | Pane::Viewshed | Pane::Flood | Pane::Contours
         );
-        if measures && let Some(sentence) = engine.questions().left_out_of_measures() {
+        if measures && let Some(sentence) = engine.left_out_of_measures() {
             ui.weak(sentence);
         }
         match pane {

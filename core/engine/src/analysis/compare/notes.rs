@@ -6,6 +6,7 @@ use std::sync::Arc;
 use relievo_project::{Element, ElementId, Layer, LayerKind, Project};
 
 use super::version::{Version, is_added_noise};
+use crate::query::WITHOUT_DETAIL;
 
 /// Most names that a note lists.
 const MOST_NAMES: usize = 5;
@@ -70,9 +71,7 @@ pub(super) fn of_grounds(
         notes.push("Noise that is added to other heights is left out of all measures.".to_owned());
     }
     if project.layers.iter().any(is_detail) {
-        notes.push(
-            "Detail beyond the data's own resolution is left out of all measures.".to_owned(),
-        );
+        notes.push(WITHOUT_DETAIL.to_owned());
     }
     notes
 }
