@@ -8,7 +8,7 @@ mod lab;
 mod map;
 mod robust;
 
-pub use balance::{Balance, BalanceError, Overlap, balance, balanced_difference};
+pub use balance::{Balance, BalanceError, CommonGround, MOST_PICTURES, Overlap, balance};
 pub use ciede2000::ciede2000;
 pub use fit::{
     ColourFit, Difference, FEWEST_PAIRS, FIT_BINS, FitHistograms, MatchMethod, TooFewPairs,

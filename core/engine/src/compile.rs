@@ -210,8 +210,12 @@ impl Compiler<'_> {
             "opacity 0"
         } else if matches!(layer.kind, LayerKind::Unknown { .. }) {
             "unknown kind"
-        } else if layer.mask.as_ref().is_some_and(mask::hides_all) {
-            "masked everywhere"
+        } else if let Some(reason) = layer
+            .mask
+            .as_ref()
+            .and_then(|mask| self.hides_all(mask, project))
+        {
+            reason
         } else if let Some(reason) = without_effect(&layer.kind) {
             reason
         } else {

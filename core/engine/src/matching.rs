@@ -145,7 +145,9 @@ impl Questions {
         area: Option<&MapBox>,
         task: &Task,
     ) -> Result<Vec<ColourPair>, AnalysisError> {
-        let area = self.common(nodes, area.unwrap_or(&WHOLE));
+        let Some(area) = self.common(nodes, area.unwrap_or(&WHOLE)) else {
+            return Ok(Vec::new());
+        };
         let grid = grid(&area, PLACES);
         let mut pairs = Vec::new();
         for row in (0..PLACES.y).step_by(BAND as usize) {
@@ -167,8 +169,9 @@ impl Questions {
         Ok(pairs)
     }
 
-    /// The part of an area that both nodes may cover, closed in on by their outlines.
-    fn common(&self, nodes: [NodeIndex; 2], area: &MapBox) -> MapBox {
+    /// The part of an area that both nodes may cover, closed in on by their outlines; `None` where they have
+    /// nothing in common.
+    fn common(&self, nodes: [NodeIndex; 2], area: &MapBox) -> Option<MapBox> {
         let mut area = *area;
         for _ in 0..24 {
             let cells = grid(&area, I64Vec2::splat(CELLS));
@@ -189,8 +192,10 @@ impl Questions {
                     }
                 }
             }
-            let side = high.saturating_sub(low);
-            if low == I64Vec2::MAX || side.min_element() * 10 > CELLS * 9 {
+            if low == I64Vec2::MAX {
+                return None;
+            }
+            if (high - low).min_element() * 10 > CELLS * 9 {
                 break;
             }
             let step = cells.lattice.step;
@@ -207,7 +212,7 @@ impl Questions {
             }
             area = closer;
         }
-        area
+        Some(area)
     }
 }
 

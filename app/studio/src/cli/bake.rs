@@ -40,6 +40,9 @@ pub(crate) struct Arguments {
     /// The coordinate system of bounds, resolution and file: EPSG:n, ESRI:n or a proj string.
     #[arg(long, value_name = "EPSG:N", default_value = "EPSG:4326")]
     crs: String,
+    /// Leave out detail that is synthesised beyond the data's own resolution: heights as they were measured.
+    #[arg(long)]
+    without_detail: bool,
     /// For differences the scenario before: its name or id, base, or ground for no elements.
     #[arg(long, value_name = "NAME", default_value = "base")]
     a: String,
@@ -79,7 +82,10 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> Result<(), Fa
         let comparison = engine.comparison(&a?, &b?, None).map_err(Failure::Input)?;
         comparison.bake_difference(&bake, &arguments.file, threads, told, context.cancel)
     } else {
-        let questions = engine.questions();
+        let mut questions = engine.questions();
+        if arguments.without_detail {
+            questions = questions.without_detail();
+        }
         questions.bake(&bake, &arguments.file, threads, told, context.cancel)
     };
     match result {

@@ -47,6 +47,8 @@ pub(crate) enum Action {
     FlyTo(LayerId),
     /// Selects a layer and asks for its file.
     Locate(LayerId),
+    /// Gives a layer a lens in the middle of the view.
+    PutLens(LayerId),
     /// Asks where to write what was measured.
     Export(Export),
     /// Makes classes of a vector layer's features.

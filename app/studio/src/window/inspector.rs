@@ -11,8 +11,8 @@ mod vector;
 
 use eframe::egui::{self, CollapsingHeader, RichText, ScrollArea, TextEdit, Ui};
 use relievo_engine::project::{
-    Blend, Edit, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, MaskCircle, Resampling,
-    Source, TintLayer,
+    Blend, Edit, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Resampling, Source,
+    TintLayer,
 };
 use relievo_engine::{Engine, SourceState};
 
@@ -79,14 +79,13 @@ impl Inspector {
         ui: &mut Ui,
         engine: &Engine,
         selected: Option<&LayerId>,
-        lens: &MaskCircle,
         actions: &mut Vec<Action>,
     ) {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 if let Some(layer) = selected.and_then(|id| engine.project().layer(id)) {
-                    self.layer(ui, engine, layer, lens, actions);
+                    self.layer(ui, engine, layer, actions);
                 } else {
                     ui.add_space(8.0);
                     ui.weak("Select a layer to see its settings.");
@@ -95,14 +94,7 @@ impl Inspector {
             });
     }
 
-    fn layer(
-        &mut self,
-        ui: &mut Ui,
-        engine: &Engine,
-        layer: &Layer,
-        lens: &MaskCircle,
-        actions: &mut Vec<Action>,
-    ) {
+    fn layer(&mut self, ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Action>) {
         let id = &layer.id;
         ui.push_id(&id.0, |ui| {
             ui.add_enabled_ui(!layer.locked, |ui| {
@@ -146,7 +138,7 @@ impl Inspector {
                 }
                 let is_known = !matches!(layer.kind, LayerKind::Unknown { .. });
                 if is_known && layer.kind.may_be_masked() {
-                    mask::show(ui, engine.project(), layer, lens, actions);
+                    mask::show(ui, engine.project(), layer, actions);
                 }
                 if is_known {
                     dated::show(ui, &mut self.dated, engine.project(), layer, actions);

@@ -1,7 +1,7 @@
 //! Several overlapping pictures brought to one look at once.
 
 use super::ColourPair;
-use super::fit::{Difference, TooFewPairs, colour_difference, finite};
+use super::fit::{Difference, TooFewPairs, difference, finite};
 use super::robust::agreed;
 
 /// What two pictures show of the same ground, a channel at a time.
@@ -23,19 +23,35 @@ pub struct Overlap {
     pub weight: f64,
 }
 
-impl Overlap {
-    /// What pairs (`from` of the first picture, `to` of the second) say, without those that do not show the
-    /// same ground.
+/// Places that two pictures show, and how much each counts: those that do not show the same ground do not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CommonGround {
+    pairs: Vec<ColourPair>,
+    weights: Vec<f64>,
+}
+
+impl CommonGround {
+    /// Of pairs: `from` in the first picture, `to` in the second.
     ///
     /// # Errors
     /// [`TooFewPairs`] as for [`fit`](super::fit()).
-    pub fn of(first: usize, second: usize, pairs: &[ColourPair]) -> Result<Self, TooFewPairs> {
+    pub fn of(pairs: &[ColourPair]) -> Result<Self, TooFewPairs> {
         let pairs = finite(pairs)?;
         let (_, weights) = agreed(&pairs);
-        let weight: f64 = weights.iter().sum();
+        Ok(Self { pairs, weights })
+    }
+
+    /// How many places there are.
+    pub fn places(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// What they say of two pictures.
+    pub fn overlap(&self, first: usize, second: usize) -> Overlap {
+        let weight: f64 = self.weights.iter().sum();
         let moments = |of: &dyn Fn(&ColourPair) -> [f32; 3], channel: usize| {
             let sum = |f: &dyn Fn(f64) -> f64| {
-                let each = pairs.iter().zip(&weights);
+                let each = self.pairs.iter().zip(&self.weights);
                 each.map(|(pair, w)| w * f(f64::from(of(pair)[channel])))
                     .sum::<f64>()
                     / weight
@@ -44,11 +60,9 @@ impl Overlap {
             let variance = sum(&|v| (v - mean) * (v - mean));
             (mean, libm::sqrt(variance))
         };
-        let [own, other] = [
-            core::array::from_fn::<_, 3, _>(|c| moments(&|pair| pair.from, c)),
-            core::array::from_fn::<_, 3, _>(|c| moments(&|pair| pair.to, c)),
-        ];
-        Ok(Self {
+        let own: [_; 3] = core::array::from_fn(|c| moments(&|pair| pair.from, c));
+        let other: [_; 3] = core::array::from_fn(|c| moments(&|pair| pair.to, c));
+        Overlap {
             first,
             second,
             first_mean: own.map(|m| m.0),
@@ -56,7 +70,17 @@ impl Overlap {
             second_mean: other.map(|m| m.0),
             second_deviation: other.map(|m| m.1),
             weight,
-        })
+        }
+    }
+
+    /// How far the pictures are apart, each balanced.
+    pub fn difference(&self, first: &Balance, second: &Balance) -> Difference {
+        let shown = |pair: &ColourPair| ColourPair {
+            from: first.apply(pair.from),
+            to: second.apply(pair.to),
+        };
+        let shown: Vec<ColourPair> = self.pairs.iter().map(shown).collect();
+        difference(&shown, &self.weights, |pair| pair.from)
     }
 }
 
@@ -83,25 +107,6 @@ impl Balance {
             shown.clamp(0.0, 1.0) as f32
         })
     }
-}
-
-/// How far two balanced pictures are apart where they overlap.
-///
-/// # Errors
-/// [`TooFewPairs`] as for [`fit`](super::fit()).
-pub fn balanced_difference(
-    pairs: &[ColourPair],
-    first: &Balance,
-    second: &Balance,
-) -> Result<Difference, TooFewPairs> {
-    let shown: Vec<ColourPair> = pairs
-        .iter()
-        .map(|pair| ColourPair {
-            from: first.apply(pair.from),
-            to: second.apply(pair.to),
-        })
-        .collect();
-    colour_difference(&shown)
 }
 
 /// Why nothing is balanced.
@@ -369,14 +374,15 @@ mod tests {
                 to: second(i, *rgb),
             })
             .collect();
-        let overlap = Overlap::of(0, 1, &pairs).unwrap();
+        let ground = CommonGround::of(&pairs).unwrap();
+        let overlap = ground.overlap(0, 1);
         assert!((overlap.weight - 720.0).abs() < 10.0, "{}", overlap.weight);
         let found = balance(2, &[overlap], Some(0)).unwrap();
-        let before = balanced_difference(&pairs, &Balance::NONE, &Balance::NONE).unwrap();
-        let after = balanced_difference(&pairs, &found[0], &found[1]).unwrap();
+        let before = ground.difference(&Balance::NONE, &Balance::NONE);
+        let after = ground.difference(&found[0], &found[1]);
         assert!(before.mean_of_same > 5.0, "{before:?}");
         assert!(after.mean_of_same < 0.5, "{after:?}");
-        assert!(Overlap::of(0, 1, &pairs[..20]).is_err());
+        assert!(CommonGround::of(&pairs[..20]).is_err());
     }
 
     #[test]

@@ -212,7 +212,7 @@ fn followed(points: &[[f64; 2]], x: f64) -> f64 {
     }
 }
 
-fn difference(
+pub(super) fn difference(
     pairs: &[ColourPair],
     weights: &[f64],
     shown: impl Fn(&ColourPair) -> [f32; 3],

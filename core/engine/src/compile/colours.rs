@@ -11,7 +11,6 @@ use relievo_raster::SampleType;
 use relievo_vector::Drawing;
 
 use super::adjust::adjustment;
-use super::mask::Shows;
 use super::{Compiler, Ground, level_of_step, relief};
 use crate::message::{Message, Severity};
 use crate::scene::Detail;
@@ -113,12 +112,8 @@ impl Compiler<'_> {
         ground: Ground,
     ) -> Option<NodeIndex> {
         let (top, blend) = self.top(layer, ground)?;
-        let shows = self.shows(layer, project, ground);
-        if let Shows::Nowhere(reason) = shows {
-            self.left_out.push((layer.id.clone(), reason));
-            return None;
-        }
-        let inputs = match &layer.kind {
+        let mask = self.mask(layer, project, ground);
+        let mut inputs = match &layer.kind {
             LayerKind::Imagery(imagery) => {
                 let file = self.open(layer)?;
                 self.with_fade(layer, &file, &imagery.source, base, top)?
@@ -132,7 +127,10 @@ impl Compiler<'_> {
             | LayerKind::Detail(_)
             | LayerKind::Unknown { .. } => vec![base, top],
         };
-        let (inputs, masked) = self.also_masked(layer, inputs, &shows);
+        if let Some(weights) = mask {
+            self.also_masked(layer, &mut inputs, weights);
+        }
+        let masked = inputs.len() == 3;
         let overlay = Overlay::new(blend_mode(blend), layer.opacity as f32, masked);
         Some(self.add(layer, Arc::new(overlay), &inputs))
     }

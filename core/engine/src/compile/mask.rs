@@ -14,21 +14,34 @@ use relievo_vector::{Drawing, Style};
 use super::{Compiler, Ground};
 use crate::sources::SourceState;
 
-/// Where a layer shows.
-pub(super) enum Shows {
-    Everywhere,
-    /// With these weights.
-    By(NodeIndex),
-    /// Nowhere, and why.
-    Nowhere(&'static str),
-}
-
 impl Compiler<'_> {
-    /// Where a layer shows; complains of what its mask asks for and cannot have.
-    pub(super) fn shows(&mut self, layer: &Layer, project: &Project, ground: Ground) -> Shows {
-        let Some(mask) = &layer.mask else {
-            return Shows::Everywhere;
-        };
+    /// Why a mask leaves nothing of its layer, whatever the ground, if so.
+    pub(super) fn hides_all(&self, mask: &Mask, project: &Project) -> Option<&'static str> {
+        if mask.invert && mask.is_everywhere() {
+            return Some("masked everywhere");
+        }
+        let kind = &project.layer(mask.vector.as_ref()?)?.kind;
+        if !matches!(kind, LayerKind::Vector(_)) {
+            return None;
+        }
+        match self.sources.state(kind, self.folder) {
+            Some(SourceState::Features(_)) => None,
+            Some(SourceState::Opening(_)) => Some("the file of its mask is being opened"),
+            // The vector layer says what is wrong with its file.
+            Some(SourceState::Open(_) | SourceState::Failed(_)) | None => {
+                Some("the file of its mask cannot be opened")
+            }
+        }
+    }
+
+    /// Weights of where a layer shows, `None` for everywhere; complains of a vector layer that is none.
+    pub(super) fn mask(
+        &mut self,
+        layer: &Layer,
+        project: &Project,
+        ground: Ground,
+    ) -> Option<NodeIndex> {
+        let mask = layer.mask.as_ref()?;
         let mut weights = Vec::new();
         if let Some(range) = &mask.heights {
             let node = RangeMask::new(range.from, range.to, range.fade);
@@ -48,30 +61,20 @@ impl Compiler<'_> {
             weights.push(self.add(layer, Arc::new(node), &[]));
         }
         if let Some(id) = &mask.vector {
-            match self.areas(layer, project, id) {
-                Ok(Some(node)) => weights.push(node),
-                Ok(None) => {}
-                Err(reason) => return Shows::Nowhere(reason),
-            }
+            weights.extend(self.areas(layer, project, id));
         }
         match (weights.as_slice(), mask.invert) {
-            ([], false) => Shows::Everywhere,
-            ([], true) => Shows::Nowhere("masked everywhere"),
-            ([only], false) => Shows::By(*only),
+            ([], _) => None,
+            ([only], false) => Some(*only),
             (all, inverted) => {
                 let node = MaskProduct::new(all.len(), inverted);
-                Shows::By(self.add(layer, Arc::new(node), all))
+                Some(self.add(layer, Arc::new(node), all))
             }
         }
     }
 
     /// What the areas of a vector layer cover; `None` where there is no such layer.
-    fn areas(
-        &mut self,
-        layer: &Layer,
-        project: &Project,
-        id: &LayerId,
-    ) -> Result<Option<NodeIndex>, &'static str> {
+    fn areas(&mut self, layer: &Layer, project: &Project, id: &LayerId) -> Option<NodeIndex> {
         let found = project.layer(id).map(|other| &other.kind);
         let Some(kind @ LayerKind::Vector(_)) = found else {
             let found = found.map_or("none".to_owned(), |kind| {
@@ -79,16 +82,12 @@ impl Compiler<'_> {
             });
             let expected = format!("expected a vector layer {:?} for the mask", id.0.as_str());
             self.complain(layer, format!("{expected}, found {found}"));
-            return Ok(None);
+            return None;
         };
-        let features = match self.sources.state(kind, self.folder) {
-            Some(SourceState::Features(open)) => Arc::clone(&open.features),
-            Some(SourceState::Opening(_)) => return Err("the file of its mask is being opened"),
-            Some(SourceState::Open(_) | SourceState::Failed(_)) | None => {
-                // The vector layer says what is wrong with its file.
-                return Err("the file of its mask cannot be opened");
-            }
+        let Some(SourceState::Features(open)) = self.sources.state(kind, self.folder) else {
+            return None;
         };
+        let features = Arc::clone(&open.features);
         let planet = self.planet;
         let name = format!("areas {} {planet:?}", Arc::as_ptr(&features).addr());
         let node = self.nodes.get(&mut self.used, name, || {
@@ -103,33 +102,22 @@ impl Compiler<'_> {
         let drawn = self.add(layer, node, &[]);
         // Drawing is dear, and no slider changes it.
         self.builder.cut(drawn, SampleType::Rgba8);
-        Ok(Some(self.add(layer, Arc::new(AlphaMask), &[drawn])))
+        Some(self.add(layer, Arc::new(AlphaMask), &[drawn]))
     }
 
-    /// Inputs of an overlay that already has its base, its top and perhaps a mask, with another mask.
+    /// Adds weights to an overlay's inputs: its base, its top and perhaps a mask.
     pub(super) fn also_masked(
         &mut self,
         layer: &Layer,
-        mut inputs: Vec<NodeIndex>,
-        shows: &Shows,
-    ) -> (Vec<NodeIndex>, bool) {
-        if let Shows::By(weights) = shows {
-            match inputs.get_mut(2) {
-                Some(mask) => {
-                    let node = MaskProduct::new(2, false);
-                    let both = [*mask, *weights];
-                    *mask = self.builder.add(Arc::new(node), &both);
-                    self.layers.insert(*mask, layer.id.clone());
-                }
-                None => inputs.push(*weights),
+        inputs: &mut Vec<NodeIndex>,
+        weights: NodeIndex,
+    ) {
+        match inputs.get_mut(2) {
+            Some(mask) => {
+                let node = MaskProduct::new(2, false);
+                *mask = self.add(layer, Arc::new(node), &[*mask, weights]);
             }
+            None => inputs.push(weights),
         }
-        let masked = inputs.len() == 3;
-        (inputs, masked)
     }
-}
-
-/// Whether a mask leaves nothing of a layer, whatever the ground.
-pub(super) fn hides_all(mask: &Mask) -> bool {
-    mask.invert && mask.is_everywhere()
 }

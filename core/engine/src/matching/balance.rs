@@ -2,7 +2,7 @@
 
 use relievo_analysis::MapBox;
 use relievo_analysis::colour::{
-    Balance, ColourPair, Difference, Overlap, balance, balanced_difference, colour_difference,
+    Balance, BalanceError, CommonGround, Difference, MOST_PICTURES, Overlap, balance,
 };
 use relievo_project::{Adjust, LayerId};
 
@@ -45,7 +45,7 @@ pub struct OverlapDifference {
 /// What is known of an overlap of two pictures.
 struct Common {
     pictures: [usize; 2],
-    pairs: Vec<ColourPair>,
+    ground: CommonGround,
 }
 
 impl Questions {
@@ -71,6 +71,11 @@ impl Questions {
                 "expected at least two layers, found {found}"
             )));
         }
+        if layers.len() > MOST_PICTURES {
+            // Before any of them is looked at.
+            let (most, found) = (MOST_PICTURES, layers.len());
+            return Err(refused(BalanceError::TooMany { most, found }.to_string()));
+        }
         for (i, layer) in layers.iter().enumerate() {
             if layers[..i].contains(layer) {
                 let found = layer.0.as_str();
@@ -89,11 +94,10 @@ impl Questions {
         });
         let held = held.transpose()?;
         let common = self.overlaps(layers, held, area, task)?;
-        let overlaps: Result<Vec<Overlap>, _> = common
+        let overlaps: Vec<Overlap> = common
             .iter()
-            .map(|c| Overlap::of(c.pictures[0], c.pictures[1], &c.pairs))
+            .map(|c| c.ground.overlap(c.pictures[0], c.pictures[1]))
             .collect();
-        let overlaps = overlaps.map_err(|few| refused(few.to_string()))?;
         let found = balance(layers.len(), &overlaps, held).map_err(|e| refused(e.to_string()))?;
         let others = found.iter().zip(layers).enumerate();
         let others = others.filter(|(i, _)| Some(*i) != held);
@@ -107,7 +111,7 @@ impl Questions {
             overlaps: common
                 .iter()
                 .map(|c| difference(c, layers, &found, held))
-                .collect::<Result<_, _>>()?,
+                .collect(),
         })
     }
 
@@ -144,10 +148,10 @@ impl Questions {
                 let pairs = self.colour_pairs([nodes[first], nodes[second]], area, &part)?;
                 done += 1;
                 // Corners that touch say nothing of either.
-                if colour_difference(&pairs).is_ok() {
+                if let Ok(ground) = CommonGround::of(&pairs) {
                     common.push(Common {
                         pictures: [first, second],
-                        pairs,
+                        ground,
                     });
                 }
             }
@@ -165,8 +169,7 @@ fn difference(
     layers: &[LayerId],
     found: &[Balance],
     held: Option<usize>,
-) -> Result<OverlapDifference, AnalysisError> {
-    let few = |few: relievo_analysis::colour::TooFewPairs| refused(few.to_string());
+) -> OverlapDifference {
     let [first, second] = common.pictures.map(|i| {
         if Some(i) == held {
             Balance::NONE
@@ -174,12 +177,12 @@ fn difference(
             found[i]
         }
     });
-    Ok(OverlapDifference {
+    OverlapDifference {
         layers: common.pictures.map(|i| layers[i].clone()),
-        places: common.pairs.len(),
-        before: colour_difference(&common.pairs).map_err(few)?,
-        after: balanced_difference(&common.pairs, &first, &second).map_err(few)?,
-    })
+        places: common.ground.places(),
+        before: common.ground.difference(&Balance::NONE, &Balance::NONE),
+        after: common.ground.difference(&first, &second),
+    }
 }
 
 fn adjust(balance: &Balance) -> Adjust {

@@ -85,14 +85,8 @@ const CIRCLE_FADE: Number = Number::new(
 .unit(" m", 0)
 .logarithmic();
 
-/// Draws it; `lens` is the circle that a layer without one is given.
-pub(super) fn show(
-    ui: &mut Ui,
-    project: &Project,
-    layer: &Layer,
-    lens: &MaskCircle,
-    actions: &mut Vec<Action>,
-) {
+/// Draws it.
+pub(super) fn show(ui: &mut Ui, project: &Project, layer: &Layer, actions: &mut Vec<Action>) {
     ui.add_space(4.0);
     CollapsingHeader::new(RichText::new("Mask").strong())
         .default_open(layer.mask.is_some())
@@ -100,7 +94,7 @@ pub(super) fn show(
             let mask = layer.mask.clone().unwrap_or_default();
             heights(ui, &layer.id, &mask, actions);
             slopes(ui, &layer.id, &mask, actions);
-            circle(ui, project, layer, &mask, lens, actions);
+            circle(ui, project, layer, &mask, actions);
             areas(ui, project, layer, &mask, actions);
             let mut invert = mask.invert;
             let hint = "Show the layer everywhere else instead";
@@ -187,22 +181,18 @@ fn rows(
     });
 }
 
-fn circle(
-    ui: &mut Ui,
-    project: &Project,
-    layer: &Layer,
-    mask: &Mask,
-    lens: &MaskCircle,
-    actions: &mut Vec<Action>,
-) {
+fn circle(ui: &mut Ui, project: &Project, layer: &Layer, mask: &Mask, actions: &mut Vec<Action>) {
     let id = &layer.id;
     let mut on = mask.circle.is_some();
     let hint = "Show the layer only in a circle on the ground: a lens. Layers with the same circle move together";
     ui.horizontal(|ui| {
         let tick = ui.checkbox(&mut on, "In a circle");
         if tick.on_hover_text(hint).changed() {
-            let circle = on.then(|| lens.clone());
-            actions.push(Action::Edit(set(id, mask, |m| m.circle = circle)));
+            actions.push(if on {
+                Action::PutLens(id.clone())
+            } else {
+                Action::Edit(set(id, mask, |m| m.circle = None))
+            });
         }
         if mask.circle.is_some() {
             let command = Command::Use(Tool::Lens);

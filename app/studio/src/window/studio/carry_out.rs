@@ -16,6 +16,7 @@ use crate::window::messages::Weight;
 use crate::window::palette::Palette;
 use crate::window::panes::Pane;
 use crate::window::tools::Tool;
+use crate::window::tools::lens::with_circle;
 
 impl Studio {
     /// Carries out what a panel asks for.
@@ -62,6 +63,10 @@ impl Studio {
                 self.run(Command::Locate, ctx);
             }
             Action::Classify(id, recipe) => self.classify(id, recipe),
+            Action::PutLens(id) => {
+                let lens = self.usual_lens();
+                self.edit(with_circle(self.document.project(), &id, &lens));
+            }
             Action::Export(export) => self.pick(Purpose::Export(export)),
             Action::Hide(pane) => self.layout.hide(pane),
             Action::Show(pane) => self.layout.open(pane),

@@ -99,10 +99,9 @@ impl Studio {
     /// Settings of the selected element, or else of the selected layer.
     fn inspect(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let Some(element) = self.selected_element() else {
-            let lens = self.usual_lens();
             let engine = self.document.engine();
             self.inspector
-                .show(ui, engine, self.selected.as_ref(), &lens, actions);
+                .show(ui, engine, self.selected.as_ref(), actions);
             return;
         };
         let vertex = self.tools.vertex.as_ref();
