@@ -76,6 +76,14 @@ impl EdgeDistance {
         })
     }
 
+    /// Distances to the outline alone, as if there were no holes.
+    pub fn to_outline(warp: &Warp) -> Self {
+        Self {
+            holes: None,
+            has_outline: warp.outline(),
+        }
+    }
+
     /// Whether there is no edge at all: a globe without holes.
     pub fn is_endless(&self) -> bool {
         self.holes.is_none() && self.has_outline == [false; 3]

@@ -157,6 +157,16 @@ impl Warp {
         self.finest_step_rad
     }
 
+    /// The middle of the image on the map, and its width and height in metres if all pixels were as large as
+    /// those there; `None` where the middle lies beyond the coordinate system's reach.
+    pub fn middle(&self) -> Option<(MapPoint, [f64; 2])> {
+        let middle = self.source.size * 0.5;
+        let [x_rad, y_rad] = pixel_sides_rad(&self.source)?;
+        let size_rad = DVec2::new(x_rad, y_rad) * self.source.size;
+        let place = map_point(&self.source, middle)?;
+        Some((place, (size_rad * self.planet.radius_m).to_array()))
+    }
+
     /// Whether the file runs all around the globe from pole to pole.
     pub fn covers_globe(&self) -> bool {
         self.source.columns_around.is_some() && self.source.reflects == [true; 2]
@@ -417,26 +427,35 @@ fn sample_patch(
 }
 
 fn finest_step_rad(source: &SourcePlane, planet: &Planet) -> f64 {
-    let middle = source.size * 0.5;
-    let point = |pixel: DVec2| {
-        let p =
-            plane::lonlat_from_plane(&source.crs, source.plane_from_pixel.transform_point2(pixel))?;
-        Some(MapPoint::from_degrees(p.x.to_degrees(), p.y.to_degrees()))
-    };
     if source.is_upright_geographic() {
         let m = source.plane_from_pixel.matrix2;
         return m.x_axis.x.abs().min(m.y_axis.y.abs()).to_radians();
     }
-    let step = |by: DVec2| Some(point(middle - by * 0.5)?.angle_to(point(middle + by * 0.5)?));
-    let steps = [step(DVec2::X), step(DVec2::Y)];
-    match steps {
-        [Some(x), Some(y)] if x > 0.0 && y > 0.0 => x.min(y),
+    match pixel_sides_rad(source) {
+        Some([x, y]) if x > 0.0 && y > 0.0 => x.min(y),
         // The middle lies beyond the system's reach: its unit is the best guess.
         _ => {
             let m = source.plane_from_pixel.matrix2 * source.crs.metres_per_unit();
             m.x_axis.length().min(m.y_axis.length()) / planet.radius_m
         }
     }
+}
+
+/// Where a place in pixels lies, as far as the coordinate system reaches.
+fn map_point(source: &SourcePlane, pixel: DVec2) -> Option<MapPoint> {
+    let in_plane = source.plane_from_pixel.transform_point2(pixel);
+    let p = plane::lonlat_from_plane(&source.crs, in_plane)?;
+    Some(MapPoint::from_degrees(p.x.to_degrees(), p.y.to_degrees()))
+}
+
+/// Angles at the planet's centre along the sides of the middle pixel.
+fn pixel_sides_rad(source: &SourcePlane) -> Option<[f64; 2]> {
+    let middle = source.size * 0.5;
+    let side = |by: DVec2| {
+        let [from, to] = [middle - by * 0.5, middle + by * 0.5];
+        Some(map_point(source, from)?.angle_to(map_point(source, to)?))
+    };
+    Some([side(DVec2::X)?, side(DVec2::Y)?])
 }
 
 #[cfg(test)]

@@ -22,6 +22,8 @@ const KIND: &str = "edge fade";
 pub struct EdgeFade {
     warp: Arc<Warp>,
     width_m: f64,
+    /// Whether holes count as edges.
+    has_holes: bool,
     name: ContentId,
     distance: OnceLock<EdgeDistance>,
     /// Held while preparing, so that it happens once.
@@ -47,10 +49,22 @@ impl EdgeFade {
         Self {
             warp,
             width_m,
+            has_holes: true,
             name: id.finish(),
             distance: OnceLock::new(),
             preparing: Mutex::new(()),
         }
+    }
+
+    /// 1 within the file's outline, holes or not, 0 outside.
+    pub fn outline(warp: Arc<Warp>) -> Self {
+        let mut fade = Self::new(warp, 0.0);
+        let mut id = IdHasher::default();
+        id.bytes(b"outline").id(fade.name);
+        fade.name = id.finish();
+        fade.distance = OnceLock::from(EdgeDistance::to_outline(&fade.warp));
+        fade.has_holes = false;
+        fade
     }
 
     fn distance(&self, cancel: &Cancel) -> Result<&EdgeDistance, RenderError> {
@@ -88,10 +102,10 @@ impl ImageNode for EdgeFade {
     fn known(&self, grid: &Grid, _inputs: &[Known]) -> Known {
         // From the outline alone, never from the artefact: ids must not depend on what happened
         // to be prepared already.
-        if self.warp.coverage(grid) == Coverage::Outside {
-            Known::Uniform([0.0; 4])
-        } else {
-            Known::Nothing
+        match self.warp.coverage(grid) {
+            Coverage::Outside => Known::Uniform([0.0; 4]),
+            Coverage::Inside if !self.has_holes => Known::Uniform([1.0, 0.0, 0.0, 0.0]),
+            Coverage::Inside | Coverage::Partial => Known::Nothing,
         }
     }
 
