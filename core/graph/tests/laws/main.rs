@@ -17,7 +17,8 @@ use relievo_raster::{Bands, Block, Cancel, SampleType, Tile};
 use relievo_vector::style::Length;
 
 use crate::registry::{
-    Entry, adjust, detail, example_detail, memory, noise_params, registry, tint, vector,
+    Entry, adjust, colour_detail, colour_noise, detail, memory, noise_params, registry, seam_blend,
+    tint, vector,
 };
 
 /// Valid samples of every kind, holes among them, from a place's hash.
@@ -299,11 +300,14 @@ fn every_node() -> (Graph, Vec<NodeIndex>) {
         &[colours, drawn],
     );
     b.cut(colours, SampleType::Rgba16F);
-    let detailed = b.add(example_detail(1, false), &[colours]);
+    let detailed = b.add(colour_detail(1, false), &[colours, tinted, stepped]);
     b.cut(detailed, SampleType::Rgba16F);
+    let detailed = b.add(colour_noise(1, false), &[detailed]);
+    b.cut(detailed, SampleType::Rgba16F);
+    let met = b.add(seam_blend(2e6, false), &[detailed, pasted]);
     let over = b.add(
         Arc::new(Overlay::new(BlendMode::Normal, 1.0, false)),
-        &[detailed, pasted],
+        &[detailed, met],
     );
     let adjusted = b.add(adjust(|p| p.gamma = 1.4), &[over]);
     let twice = b.add(

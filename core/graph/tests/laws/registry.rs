@@ -5,10 +5,11 @@ use std::sync::Arc;
 use relievo_earthwork::{Element, Prepared, Profile, Section, Shape, Side, Surface, Vertex};
 use relievo_graph::ImageNode;
 use relievo_graph::nodes::{
-    AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, Constant, ContourLines, ContourStyle,
-    Detail, DetailMethod, DetailParams, DiscMask, Earthwork, ExampleDetail, ExampleDetailParams,
-    Exemplar, HeightDifference, MaskProduct, Memory, Noise, NoiseParams, Normals, Overlay,
-    OverlayHeights, PlacedElement, RangeMask, SlopeAngle, Stop, Tint, Vector,
+    AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, ColourDetail, ColourDetailParams,
+    ColourDetailSource, Constant, ContourLines, ContourStyle, Detail, DetailMethod, DetailParams,
+    DiscMask, Earthwork, ExampleAt, HeightDifference, MaskProduct, Memory, Noise, NoiseParams,
+    Normals, Overlay, OverlayHeights, PlacedElement, RangeMask, SeamBlend, SlopeAngle, Stop, Tint,
+    Vector,
 };
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
@@ -74,26 +75,41 @@ pub(crate) fn memory() -> Arc<Memory> {
     Arc::new(Memory::new(&grid, samples))
 }
 
-/// Detail on all levels but the coarsest, after two exemplars as large as continents.
-pub(crate) fn example_detail(seed: u64, masked: bool) -> Arc<ExampleDetail> {
-    let exemplar = |seed: u64| {
-        let mut colours = Block::new(Bands::Colour, 96, 80);
-        fill(&mut colours, seed);
-        Arc::new(Exemplar::new(&colours, 15_000.0).expect("colours"))
-    };
-    let params = ExampleDetailParams {
+/// Detail on all levels but the coarsest, after two examples as large as continents.
+pub(crate) fn colour_detail(seed: u64, masked: bool) -> Arc<ColourDetail> {
+    let params = ColourDetailParams {
         seed,
         coarse_spacing_m: 80_000.0,
         tolerance: 1.0,
-        ..ExampleDetailParams::default()
+        ..ColourDetailParams::default()
     };
-    let exemplars = vec![exemplar(11), exemplar(12)];
-    Arc::new(ExampleDetail::new(
+    let example = |lon_deg: f64| {
+        let centre = MapPoint::from_degrees(lon_deg, 10.0);
+        ExampleAt::around(&Planet::EARTH, centre, 15_000.0, [96, 80])
+    };
+    let examples = vec![example(20.0), example(170.0)];
+    Arc::new(ColourDetail::new(Planet::EARTH, &params, examples, masked))
+}
+
+/// Detail by noise on all levels but the coarsest.
+pub(crate) fn colour_noise(seed: u64, masked: bool) -> Arc<ColourDetail> {
+    let params = ColourDetailParams {
+        by: ColourDetailSource::Noise,
+        seed,
+        coarse_spacing_m: 80_000.0,
+        ..ColourDetailParams::default()
+    };
+    Arc::new(ColourDetail::new(
         Planet::EARTH,
         &params,
-        exemplars,
+        Vec::new(),
         masked,
     ))
+}
+
+/// Seams on a lattice of one halving more than that of the laws, or on their own.
+pub(crate) fn seam_blend(reach_m: f64, masked: bool) -> Arc<SeamBlend> {
+    Arc::new(SeamBlend::new(Planet::EARTH, reach_m, masked))
 }
 
 /// A polygon around the antimeridian and a line, in pixels or metres.
@@ -188,6 +204,7 @@ fn earthwork(height_m: f64) -> Arc<Earthwork> {
 pub(crate) fn registry() -> Vec<Entry> {
     let mut all = of_heights();
     all.extend(of_colours());
+    all.extend(of_colour_detail());
     all
 }
 
@@ -305,17 +322,6 @@ fn of_colours() -> Vec<Entry> {
         ),
         entry("gamma", adjust(|p| p.gamma = 1.7), &[Bands::Colour]),
         entry("hue", adjust(|p| p.hue_deg = 70.0), &[Bands::Colour]),
-        entry("example detail", example_detail(1, false), &[Bands::Colour]),
-        entry(
-            "other example detail",
-            example_detail(2, false),
-            &[Bands::Colour],
-        ),
-        entry(
-            "masked example detail",
-            example_detail(1, true),
-            &[Bands::Colour, Bands::Mask],
-        ),
         entry("tint", tint(true), HEIGHT),
         entry("steps", tint(false), HEIGHT),
         entry(
@@ -349,7 +355,31 @@ fn of_colours() -> Vec<Entry> {
             &[Bands::Mask, Bands::Mask],
         ),
         entry("alpha mask", Arc::new(AlphaMask), &[Bands::Colour]),
+        entry("seam blend", seam_blend(3e6, false), COLOURS),
+        entry("masked seam blend", seam_blend(3e6, true), MASKED),
+        entry("narrow seam blend", seam_blend(200_000.0, false), COLOURS),
         entry("contour lines", contour_lines(0), CONTOURED),
         entry("index contours", contour_lines(5), CONTOURED),
+    ]
+}
+
+fn of_colour_detail() -> Vec<Entry> {
+    const COLOUR: &[Bands] = &[Bands::Colour];
+    const EXAMPLES: &[Bands] = &[Bands::Colour; 3];
+    vec![
+        entry("colour detail", colour_detail(1, false), EXAMPLES),
+        entry("other colour detail", colour_detail(2, false), EXAMPLES),
+        entry(
+            "masked colour detail",
+            colour_detail(1, true),
+            &[Bands::Colour, Bands::Mask, Bands::Colour, Bands::Colour],
+        ),
+        entry("colour detail by noise", colour_noise(1, false), COLOUR),
+        entry("other noise", colour_noise(2, false), COLOUR),
+        entry(
+            "masked noise",
+            colour_noise(1, true),
+            &[Bands::Colour, Bands::Mask],
+        ),
     ]
 }

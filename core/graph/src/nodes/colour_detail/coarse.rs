@@ -9,6 +9,7 @@ use relievo_raster::{Block, Cancel};
 
 use super::super::ground::Ground;
 use super::field::Field;
+use super::survey::{self, Contrast};
 use crate::node::{Artefact, Made};
 use crate::{IdHasher, RenderError};
 
@@ -16,7 +17,7 @@ use crate::{IdHasher, RenderError};
 const MOST_DOUBLINGS: u32 = 24;
 
 /// A spacing is met when it is missed by no more than this factor.
-const TOLERANCE: f64 = 1.01;
+pub(super) const TOLERANCE: f64 = 1.01;
 
 /// The sides of a closed coarse lattice are multiples of this many samples, so that patches fit
 /// around the planet and over the poles ([`super::patches`]).
@@ -89,6 +90,27 @@ pub(super) fn rows_between_poles(lattice: &Lattice) -> i64 {
 pub(super) struct CoarseColours {
     /// What is read: one sample more on every side than is given.
     pub(super) grid: Grid,
+    pub(super) purpose: Purpose,
+}
+
+/// What coarse colours are compared or measured for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Purpose {
+    /// Pieces of examples that are like them.
+    Examples,
+    /// Noise that goes on as they do from this halving on (see [`Contrast::new`]).
+    Noise { finest: usize },
+}
+
+impl Purpose {
+    /// Coarse samples beyond the wanted ones that decide these.
+    pub(super) fn margin(self) -> i64 {
+        match self {
+            Self::Examples => super::patches::MARGIN,
+            // Between whose centres the outermost lie.
+            Self::Noise { .. } => survey::MARGIN + 1,
+        }
+    }
 }
 
 /// Coarse colours as they are refined.
@@ -97,12 +119,14 @@ pub(super) struct Coarse {
     pub(super) light: Field,
     /// Which samples are there, row by row.
     pub(super) there: Vec<bool>,
-    /// [`Self::light`] as the eye has it, nearly: encoded.
+    /// For examples, [`Self::light`] as the eye has it, nearly: encoded.
     pub(super) encoded: Vec<[f32; 3]>,
+    /// For noise, of all samples but a margin.
+    pub(super) contrast: Option<Contrast>,
 }
 
 impl Coarse {
-    fn new(read: &SampleRect, colours: &Block) -> Self {
+    fn new(read: &SampleRect, colours: &Block, purpose: Purpose) -> Self {
         let planes: [&[f32]; 4] = core::array::from_fn(|plane| colours.plane(plane));
         let samples: Vec<Option<[f32; 3]>> = (0..planes[0].len())
             .map(|i| {
@@ -129,11 +153,21 @@ impl Coarse {
                 there.push(samples[centre].is_some());
             }
         }
-        let encoded = (0..there.len()).map(|i| light.get(i).map(srgb_from_linear));
+        let (encoded, contrast) = match purpose {
+            Purpose::Examples => {
+                let encoded = (0..there.len()).map(|i| light.get(i).map(srgb_from_linear));
+                (encoded.collect(), None)
+            }
+            Purpose::Noise { finest } => {
+                let contrast = Contrast::new(&light, &there, finest);
+                (Vec::new(), Some(contrast))
+            }
+        };
         Self {
-            encoded: encoded.collect(),
             light,
             there,
+            encoded,
+            contrast,
         }
     }
 
@@ -158,7 +192,12 @@ fn mean<'a>(colours: impl Iterator<Item = &'a Option<[f32; 3]>>) -> [f32; 3] {
 
 impl Artefact for CoarseColours {
     fn identify(&self, id: &mut IdHasher) {
-        id.bytes(super::KIND.as_bytes()).grid(&self.grid);
+        let purpose = match self.purpose {
+            Purpose::Examples => 0,
+            Purpose::Noise { finest } => finest as i64,
+        };
+        id.bytes(super::KIND.as_bytes()).int(purpose);
+        id.grid(&self.grid);
     }
 
     fn reads(&self) -> Vec<(usize, Grid)> {
@@ -166,13 +205,19 @@ impl Artefact for CoarseColours {
     }
 
     fn make(&self, samples: &[Block], _cancel: &Cancel) -> Result<Made, RenderError> {
-        Ok(Arc::new(Coarse::new(&self.grid.rect, &samples[0])))
+        let coarse = Coarse::new(&self.grid.rect, &samples[0], self.purpose);
+        Ok(Arc::new(coarse))
     }
 
     fn bytes(&self) -> usize {
-        /// Two colours and a flag.
-        const SAMPLE: usize = 2 * 12 + 1;
-        self.grid.rect.area() as usize * SAMPLE
+        /// Light and a flag.
+        const SAMPLE: usize = size_of::<[f32; 3]>() + 1;
+        let samples = self.grid.rect.area() as usize;
+        let more = match self.purpose {
+            Purpose::Examples => samples * size_of::<[f32; 3]>(),
+            Purpose::Noise { .. } => Contrast::bytes(samples),
+        };
+        samples * SAMPLE + more
     }
 }
 
@@ -227,7 +272,7 @@ mod tests {
             colours.plane_mut(3)[i] = 0.0;
         }
         colours.plane_mut(1)[20] = f32::NAN;
-        let coarse = Coarse::new(&read, &colours);
+        let coarse = Coarse::new(&read, &colours, Purpose::Examples);
         assert_eq!(coarse.light.rect(), read.grow(-1));
         assert_eq!(coarse.there.iter().filter(|there| !**there).count(), 4);
         for v in &coarse.encoded {
@@ -235,7 +280,7 @@ mod tests {
                 assert!((v - expected).abs() < 1e-5);
             }
         }
-        let nothing = Coarse::new(&read, &Block::new(Bands::Colour, 6, 5));
+        let nothing = Coarse::new(&read, &Block::new(Bands::Colour, 6, 5), Purpose::Examples);
         assert!(nothing.encoded.iter().flatten().all(|v| *v == 0.0));
     }
 }

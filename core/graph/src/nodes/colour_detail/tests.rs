@@ -1,15 +1,16 @@
 //! The constraint, names, and what is left alone.
 
+mod noise;
 mod places;
 
 use proptest::prelude::*;
 use relievo_planet::{LevelKey, Planet, TileKey};
-use relievo_raster::colour::{linear_from_srgb, to_u8};
+use relievo_raster::colour::{linear_from_srgb, srgb_from_linear, to_u8};
 use relievo_raster::{Cancel, SampleType};
 
 use super::*;
 use crate::nodes::{Constant, Memory};
-use crate::{Graph, GraphBuilder, NodeIndex};
+use crate::{Artefacts, Graph, GraphBuilder, NodeIndex};
 
 /// Around 20 m.
 const COARSE: LevelKey = LevelKey { m: 13, n: 12 };
@@ -41,31 +42,75 @@ fn colours(rect: SampleRect, value: impl Fn(i64, i64, usize) -> f32) -> Block {
     block
 }
 
-/// 96 × 96 samples that are 2.5 m apart, of a mean colour and a pattern around 0.
-fn exemplar(mean: [f32; 3], pattern: impl Fn(i64, i64) -> f32) -> Arc<Exemplar> {
-    let block = colours(SampleRect::at(0, 0, 96, 96), |x, y, c| {
-        (mean[c] * (1.0 + pattern(x, y))).clamp(0.0, 1.0)
-    });
-    Arc::new(Exemplar::new(&block, 2.5).expect("colours"))
+/// Colours of which an example is read.
+#[derive(Clone)]
+struct Sample {
+    colours: Block,
+    spacing_m: f64,
 }
 
-fn rough() -> Vec<Arc<Exemplar>> {
-    let speckled = exemplar([0.5, 0.4, 0.3], |x, y| noise(x, y, 1) - 0.5);
-    let blotched = exemplar([0.2, 0.4, 0.2], |x, y| 1.6 * (noise(x / 3, y / 4, 2) - 0.5));
+impl Sample {
+    fn at(&self) -> ExampleAt {
+        let lattice = relievo_planet::Lattice {
+            crs: relievo_planet::GridCrs::Map,
+            origin: glam::DVec2::new(0.1, 1.2),
+            step: glam::DVec2::splat(self.spacing_m / Planet::EARTH.radius_m),
+            columns_around: None,
+        };
+        let (width, height) = (self.colours.width() as i64, self.colours.height() as i64);
+        ExampleAt {
+            grid: Grid::new(Arc::new(lattice), SampleRect::at(0, 0, width, height)),
+            spacing_m: self.spacing_m,
+        }
+    }
+}
+
+fn places(samples: &[Sample]) -> Vec<ExampleAt> {
+    samples.iter().map(Sample::at).collect()
+}
+
+/// The nodes that examples are read from.
+fn add_samples(b: &mut GraphBuilder, samples: &[Sample]) -> Vec<NodeIndex> {
+    let add = |s: &Sample| b.add(Arc::new(Memory::new(&s.at().grid, s.colours.clone())), &[]);
+    samples.iter().map(add).collect()
+}
+
+/// 96 × 96 samples that are 2.5 m apart, of a mean colour and a pattern around 0.
+fn sample(mean: [f32; 3], pattern: impl Fn(i64, i64) -> f32) -> Sample {
+    let colours = colours(SampleRect::at(0, 0, 96, 96), |x, y, c| {
+        (mean[c] * (1.0 + pattern(x, y))).clamp(0.0, 1.0)
+    });
+    Sample {
+        colours,
+        spacing_m: 2.5,
+    }
+}
+
+fn rough() -> Vec<Sample> {
+    let speckled = sample([0.5, 0.4, 0.3], |x, y| noise(x, y, 1) - 0.5);
+    let blotched = sample([0.2, 0.4, 0.2], |x, y| 1.6 * (noise(x / 3, y / 4, 2) - 0.5));
     vec![speckled, blotched]
 }
 
-fn params() -> ExampleDetailParams {
-    ExampleDetailParams {
+fn params() -> ColourDetailParams {
+    ColourDetailParams {
         coarse_spacing_m: spacing_m(COARSE),
         tolerance: f64::INFINITY,
-        ..ExampleDetailParams::default()
+        ..ColourDetailParams::default()
+    }
+}
+
+fn by_noise() -> ColourDetailParams {
+    ColourDetailParams {
+        by: ColourDetailSource::Noise,
+        ..params()
     }
 }
 
 /// Imagery at the coarse level, detail over it.
 struct Scene {
     graph: Graph,
+    artefacts: Arc<Artefacts>,
     input: NodeIndex,
     output: NodeIndex,
 }
@@ -74,17 +119,22 @@ impl Scene {
     fn new(
         rect: SampleRect,
         imagery: Block,
-        exemplars: Vec<Arc<Exemplar>>,
-        params: &ExampleDetailParams,
+        samples: &[Sample],
+        params: &ColourDetailParams,
     ) -> Self {
         let grid = Grid::new(Arc::new(COARSE.lattice()), rect);
         let mut b = GraphBuilder::default();
+        let artefacts = Arc::default();
+        b.keep_artefacts(&artefacts);
         let input = b.add(Arc::new(Memory::new(&grid, imagery)), &[]);
-        let node = ExampleDetail::new(Planet::EARTH, params, exemplars, false);
-        let output = b.add(Arc::new(node), &[input]);
+        let node = ColourDetail::new(Planet::EARTH, params, places(samples), false);
+        let mut inputs = vec![input];
+        inputs.extend(add_samples(&mut b, samples));
+        let output = b.add(Arc::new(node), &inputs);
         b.cut(output, SampleType::Rgba32F);
         Self {
             graph: b.build(),
+            artefacts,
             input,
             output,
         }
@@ -147,12 +197,13 @@ proptest! {
     #[test]
     fn reduced_by_the_box_the_result_is_the_coarse_imagery_at_every_level(
         x in -8..2_000_000_i64, y in prop_oneof![-6..1_000_000_i64, Just(-3), Just(1_048_570)],
+        by in prop_oneof![Just(ColourDetailSource::Examples), Just(ColourDetailSource::Noise)],
         seed: u64, strength in 0.1..4.0_f64, tolerance in prop_oneof![0.05..1.0_f64, Just(f64::INFINITY)],
     ) {
         let rect = SampleRect::at(x, y, 10, 9);
         let imagery = varied(rect.grow(16), seed % 1000);
-        let params = ExampleDetailParams { seed, strength, tolerance, ..params() };
-        let scene = Scene::new(rect.grow(16), imagery, rough(), &params);
+        let params = ColourDetailParams { by, seed, strength, tolerance, ..params() };
+        let scene = Scene::new(rect.grow(16), imagery, &rough(), &params);
         let coarse = scene.at(scene.input, COARSE, rect);
         let mut above = coarse.clone();
         for doublings in 1..=4_u8 {
@@ -171,10 +222,12 @@ proptest! {
 #[test]
 fn far_below_the_resolution_of_the_exemplars_the_constraint_still_holds() {
     let rect = SampleRect::at(1_300_000, 250_000, 3, 2);
-    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 2), rough(), &params());
-    let coarse = scene.at(scene.input, COARSE, rect);
-    let error = largest_error(&scene.detailed(rect, 8), 256, &coarse);
-    assert!(error < 1.5e-5, "{error:e}");
+    for params in [params(), by_noise()] {
+        let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 2), &rough(), &params);
+        let coarse = scene.at(scene.input, COARSE, rect);
+        let error = largest_error(&scene.detailed(rect, 8), 256, &coarse);
+        assert!(error < 1.5e-5, "{error:e}");
+    }
 }
 
 proptest! {
@@ -183,10 +236,13 @@ proptest! {
     #[test]
     fn a_piece_made_alone_is_part_of_the_whole(
         x in 0..320_i64, y in 0..320_i64, width in 1..120_i64, height in 1..120_i64, doublings in 1..6_u8,
+        noisy: bool,
     ) {
         // Across squares in which coarse colours are read, so that pieces read other ones.
         let rect = SampleRect::at(640_000 - 20, 320_000 - 20, 40, 40);
-        let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 7), rough(), &params());
+        let held = rect.grow(120);
+        let params = if noisy { by_noise() } else { params() };
+        let scene = Scene::new(held, varied(held, 7), &rough(), &params);
         let level = finer(COARSE, doublings);
         let centre = (rect.min + 20) * (1 << doublings);
         let whole = SampleRect::new(centre - 220, centre + 220);
@@ -204,32 +260,36 @@ fn everything_that_decides_is_part_of_the_name() {
     let grid = TileKey::new(finer(COARSE, 2), 9000, 5000)
         .expect("inside")
         .grid();
-    let name = |planet: Planet, params: ExampleDetailParams, exemplars, masked| {
+    let name = |planet: Planet, params: ColourDetailParams, examples, masked| {
         let mut id = IdHasher::default();
-        ExampleDetail::new(planet, &params, exemplars, masked).identify(&grid, &mut id);
+        ColourDetail::new(planet, &params, examples, masked).identify(&grid, &mut id);
         id.finish()
     };
-    let with = |change: fn(&mut ExampleDetailParams)| {
+    let all = places(&rough());
+    let with = |change: fn(&mut ColourDetailParams)| {
         let mut params = params();
         change(&mut params);
-        name(Planet::EARTH, params, rough(), false)
+        name(Planet::EARTH, params, all.clone(), false)
     };
-    let same_elsewhere = Exemplar::new(&varied(SampleRect::at(0, 0, 96, 96), 1), 2.5);
-    let sparser = Exemplar::new(&varied(SampleRect::at(0, 0, 96, 96), 1), 2.6);
-    let one =
-        |exemplar: Result<Exemplar, ExemplarError>| vec![Arc::new(exemplar.expect("colours"))];
-    let turned = rough().into_iter().rev().collect();
+    let mut moved = all.clone();
+    moved[1].grid.rect = moved[1].grid.rect.grow(1);
+    let mut sparser = all.clone();
+    sparser[0].spacing_m = 2.6;
+    let mut late = all.clone();
+    late[0].spacing_m = 0.0;
     let names = [
         with(|_| {}),
         with(|p| p.seed = 1),
         with(|p| p.strength = 0.5),
         with(|p| p.tolerance = 0.2),
         with(|p| p.coarse_spacing_m *= 3.0),
-        name(Planet::EARTH, params(), rough(), true),
-        name(Planet::MARS, params(), rough(), false),
-        name(Planet::EARTH, params(), one(same_elsewhere), false),
-        name(Planet::EARTH, params(), one(sparser), false),
-        name(Planet::EARTH, params(), turned, false),
+        with(|p| p.by = ColourDetailSource::Noise),
+        name(Planet::EARTH, params(), all.clone(), true),
+        name(Planet::MARS, params(), all.clone(), false),
+        name(Planet::EARTH, params(), moved, false),
+        name(Planet::EARTH, params(), sparser, false),
+        name(Planet::EARTH, params(), late, false),
+        name(Planet::EARTH, params(), vec![all[1].clone()], false),
     ];
     let distinct: std::collections::BTreeSet<_> = names.iter().collect();
     assert_eq!(distinct.len(), names.len());
@@ -247,7 +307,7 @@ fn everything_that_decides_is_part_of_the_name() {
 #[test]
 fn what_8_bit_tiles_reduce_to_is_off_by_no_more_than_half_a_step() {
     let rect = SampleRect::at(700_000, 400_000, 24, 24);
-    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 3), rough(), &params());
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 3), &rough(), &params());
     let coarse = scene.at(scene.input, COARSE, rect);
     let mut fine = scene.detailed(rect, 3);
     for v in fine.samples_mut() {
@@ -266,15 +326,15 @@ fn without_strength_or_exemplars_or_on_coarse_levels_it_is_not_there_at_all() {
     let known = [Known::Complete];
     for (node, grid) in [
         (
-            ExampleDetail::new(Planet::EARTH, &varied_params, rough(), false),
+            ColourDetail::new(Planet::EARTH, &varied_params, places(&rough()), false),
             fine.grid(),
         ),
         (
-            ExampleDetail::new(Planet::EARTH, &params(), Vec::new(), false),
+            ColourDetail::new(Planet::EARTH, &params(), Vec::new(), false),
             fine.grid(),
         ),
         (
-            ExampleDetail::new(Planet::EARTH, &params(), rough(), false),
+            ColourDetail::new(Planet::EARTH, &params(), places(&rough()), false),
             same_level.grid(),
         ),
     ] {
@@ -289,7 +349,7 @@ fn without_strength_or_exemplars_or_on_coarse_levels_it_is_not_there_at_all() {
         node.render(&job, &[&input], &mut out).expect("no errors");
         assert_eq!(out, input);
     }
-    let node = ExampleDetail::new(Planet::EARTH, &params(), rough(), false);
+    let node = ColourDetail::new(Planet::EARTH, &params(), places(&rough()), false);
     assert_eq!(node.identity(&fine.grid(), &known), None);
     assert_eq!(node.known(&fine.grid(), &known), Known::Complete);
 }
@@ -307,7 +367,7 @@ fn what_is_transparent_stays_and_lends_nothing_to_its_neighbours() {
         }
     }
     let inner = SampleRect::at(504, 700_004, 30, 30);
-    let scene = Scene::new(rect, imagery, rough(), &params());
+    let scene = Scene::new(rect, imagery, &rough(), &params());
     let fine = scene.detailed(inner, 2);
     let coarse = scene.at(scene.input, COARSE, inner);
     for (i, alpha) in fine.plane(3).iter().enumerate() {
@@ -324,35 +384,60 @@ fn exemplars_of_any_size_and_spacing_can_be_given_together() {
     let rect = SampleRect::at(900_000, 700_000, 6, 6);
     let imagery = varied(rect.grow(16), 1);
     let of = |side: i64, spacing_m: f64| {
-        let block = varied(SampleRect::at(0, 0, side, side), side as u64);
-        Arc::new(Exemplar::new(&block, spacing_m).expect("colours"))
+        let colours = varied(SampleRect::at(0, 0, side, side), side as u64);
+        Sample { colours, spacing_m }
     };
-    let scene = |exemplars| Scene::new(rect.grow(16), imagery.clone(), exemplars, &params());
-    let without = scene(vec![of(9, 1e6)]).detailed(rect, 3);
-    for exemplars in [
+    let scene = |samples: &[Sample]| Scene::new(rect.grow(16), imagery.clone(), samples, &params());
+    for samples in [
         vec![of(8, 0.001), of(200, 9.0)],
         vec![of(8, 3.0), of(300, 0.5), of(16, 1e8)],
         vec![of(64, 4.0)],
         vec![of(8, 0.3)],
     ] {
-        let scene = scene(exemplars);
+        let scene = scene(&samples);
         for doublings in [1, 3, 6] {
             let coarse = scene.at(scene.input, COARSE, rect);
             let fine = scene.detailed(rect, doublings);
             assert!(largest_error(&fine, 1 << doublings, &coarse) < 1.5e-5);
         }
     }
-    // What is coarser than the imagery is as good as nothing.
-    let coarse = vec![of(64, 4.0), of(300, 20.0)];
-    let fine = scene(coarse).detailed(rect, 3);
-    assert_eq!(fine, scene(vec![of(64, 4.0)]).detailed(rect, 3));
-    assert_ne!(fine, without);
+    // What is coarser than the imagery is as good as nothing, as is what is transparent, too large or too
+    // small; one beside it is not disturbed.
+    let transparent = Sample {
+        colours: Block::new(Bands::Colour, 30, 30),
+        spacing_m: 2.0,
+    };
+    let fine = scene(&[of(64, 4.0)]).detailed(rect, 3);
+    for nothing in [of(300, 20.0), of(7, 2.0), of(64, -1.0), transparent] {
+        let alone = scene(std::slice::from_ref(&nothing));
+        let level = finer(COARSE, 3);
+        let whole = SampleRect::new(rect.min * 8, rect.max * 8);
+        assert_eq!(
+            alone.at(alone.output, level, whole),
+            alone.at(alone.input, level, whole)
+        );
+        assert_eq!(fine, scene(&[nothing, of(64, 4.0)]).detailed(rect, 3));
+    }
+}
+
+#[test]
+fn examples_are_read_when_the_first_tile_needs_them_and_once() {
+    let rect = SampleRect::at(900_000, 700_000, 6, 6);
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 1), &rough(), &params());
+    let key = TileKey::new(finer(COARSE, 2), 9000, 5000).expect("inside");
+    scene.graph.content_id(scene.output, key);
+    assert_eq!(scene.artefacts.made(), 0);
+    scene.detailed(rect, 2);
+    // The coarse colours and two examples.
+    assert_eq!(scene.artefacts.made(), 3);
+    scene.detailed(rect, 3);
+    assert_eq!(scene.artefacts.made(), 3);
 }
 
 #[test]
 fn work_that_nobody_wants_stops() {
     let rect = SampleRect::at(900_000, 700_000, 6, 6);
-    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 1), rough(), &params());
+    let scene = Scene::new(rect.grow(16), varied(rect.grow(16), 1), &rough(), &params());
     let cancel = Cancel::default();
     cancel.cancel();
     let level = finer(COARSE, 2);
@@ -363,7 +448,7 @@ fn work_that_nobody_wants_stops() {
     let stopped = scene.graph.evaluate(scene.output, &fine, &cancel);
     assert!(matches!(stopped, Err(RenderError::Cancelled)));
     // Without what it asks for there is an error and no picture.
-    let node = ExampleDetail::new(Planet::EARTH, &params(), rough(), false);
+    let node = ColourDetail::new(Planet::EARTH, &params(), places(&rough()), false);
     let (input, mut out) = (varied(fine.rect, 1), Block::new(Bands::Colour, 24, 24));
     for cancel in [Cancel::default(), cancel] {
         let job = Job {
@@ -371,10 +456,16 @@ fn work_that_nobody_wants_stops() {
             cancel: &cancel,
         };
         let coarse = node.artefacts(&fine)[0].reads()[0].1.rect;
-        let made = node.artefacts(&fine)[0]
-            .make(&[varied(coarse, 1)], &cancel)
-            .expect("no errors");
-        let stopped = node.render_from(&job, &[made], &[&input], &mut out);
+        let all = node.artefacts(&fine);
+        let made = |at: usize, samples: Block| {
+            let made = all[at].make(&[samples], &Cancel::default());
+            made.expect("no errors")
+        };
+        let made = [
+            made(0, varied(coarse, 1)),
+            made(1, rough()[0].colours.clone()),
+        ];
+        let stopped = node.render_from(&job, &made, &[&input], &mut out);
         assert_eq!(stopped.is_err(), cancel.is_cancelled());
         assert!(matches!(
             node.render(&job, &[&input], &mut out),
@@ -403,8 +494,10 @@ fn on_a_projected_grid_the_constraint_holds_too() {
     let input = b.add(Arc::new(Memory::new(&held, imagery)), &[]);
     let mut params = params();
     params.coarse_spacing_m = 16.0;
-    let node = ExampleDetail::new(Planet::EARTH, &params, rough(), false);
-    let output = b.add(Arc::new(node), &[input]);
+    let node = ColourDetail::new(Planet::EARTH, &params, places(&rough()), false);
+    let mut inputs = vec![input];
+    inputs.extend(add_samples(&mut b, &rough()));
+    let output = b.add(Arc::new(node), &inputs);
     let graph = b.build();
     let evaluate = |node, grid: &Grid| {
         let samples = graph.evaluate(node, grid, &Cancel::default());

@@ -1,6 +1,7 @@
 //! Exemplars as coarse samples would show them, which is how they are compared with coarse colours.
 
-use std::sync::Arc;
+use core::ptr;
+use std::sync::{Arc, Weak};
 
 use glam::DVec2;
 use parking_lot::Mutex;
@@ -45,7 +46,8 @@ pub(super) struct Shown {
     /// From sample to sample, as they are counted.
     step_m: DVec2,
     exponent: i32,
-    of: Vec<Arc<Exemplar>>,
+    /// Which keeps them from being mistaken for others, but not in memory.
+    of: Vec<Weak<Exemplar>>,
     /// Samples from the centre of a patch to its border.
     reach: i64,
     pub(super) half: i64,
@@ -75,7 +77,9 @@ impl Shown {
         self.exponent == exponent
             && self.step_m == Self::counted(step_m, exponent)
             && self.of.len() == choice.exemplars.len()
-            && pairs.fold(true, |same, (a, b)| same & Arc::ptr_eq(a, b))
+            && pairs.fold(true, |same, (a, b)| {
+                same & ptr::eq(a.as_ptr(), Arc::as_ptr(b))
+            })
     }
 
     pub(super) fn new(choice: &Choice, step_m: DVec2, exponent: i32) -> Self {
@@ -91,7 +95,7 @@ impl Shown {
         Self {
             step_m,
             exponent,
-            of: choice.exemplars.to_vec(),
+            of: choice.exemplars.iter().map(Arc::downgrade).collect(),
             reach: 1 << exponent.max(0),
             half,
             exemplars: choice.exemplars.iter().map(reduce).collect(),

@@ -3,8 +3,6 @@
 use relievo_raster::colour::{linear_from_srgb, srgb_from_linear};
 use relievo_raster::{Bands, Block};
 
-use crate::{ContentId, IdHasher};
-
 /// Least samples along a side of an exemplar.
 pub const LEAST_SAMPLES: usize = 8;
 
@@ -21,55 +19,14 @@ const SHIFT: f32 = 0.211_324_87;
 pub const MOST_SAMPLES: usize = 1 << 20;
 
 /// Largest spacing of an exemplar in metres; more than a planet has.
-const MOST_SPACING_M: f64 = 1e9;
-
-/// Why a block of colours is no exemplar.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum ExemplarError {
-    /// It holds something else.
-    #[error("an exemplar holds colours, this block holds {found:?}")]
-    Bands {
-        /// What it holds.
-        found: Bands,
-    },
-    /// There is too little of it.
-    #[error(
-        "an exemplar has at least {LEAST_SAMPLES} samples along a side, this one has {width} × {height}"
-    )]
-    Size {
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-    /// There is too much of it.
-    #[error(
-        "an exemplar has at most {MOST_SAMPLES} samples, this one has {width} × {height}: a typical part will do"
-    )]
-    Large {
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-    /// Its spacing is no length.
-    #[error("samples of an exemplar are a positive number of metres apart, these {spacing_m}")]
-    Spacing {
-        /// What was given.
-        spacing_m: f64,
-    },
-    /// There is nothing in it.
-    #[error("an exemplar has a sample that is not transparent, this one has none")]
-    Empty,
-}
+pub(super) const MOST_SPACING_M: f64 = 1e9;
 
 /// Fine imagery that shows what the ground looks like: colours with north up, and their spacing.
 #[derive(Clone, Debug)]
-pub struct Exemplar {
+pub(super) struct Exemplar {
     spacing_m: f64,
     /// Each half as fine as the one before.
     mips: Vec<Mip>,
-    name: ContentId,
 }
 
 /// An exemplar at one resolution.
@@ -87,57 +44,38 @@ struct Mip {
 impl Exemplar {
     /// From straight, encoded colours (as [`Bands::Colour`] says), samples `spacing_m` metres apart
     /// along rows and columns. Transparent samples take the mean of what surrounds them; values that
-    /// are not finite count as transparent.
-    ///
-    /// # Errors
-    /// [`ExemplarError`] when it is not colours, too small, without a length, or empty.
-    pub fn new(colours: &Block, spacing_m: f64) -> Result<Self, ExemplarError> {
+    /// are not finite count as transparent. `None` when they are no colours, fewer than [`LEAST_SAMPLES`]
+    /// along a side, more than [`MOST_SAMPLES`], all transparent, or `spacing_m` is no length.
+    pub(super) fn new(colours: &Block, spacing_m: f64) -> Option<Self> {
         let (width, height) = (colours.width(), colours.height());
-        if colours.bands() != Bands::Colour {
-            let found = colours.bands();
-            return Err(ExemplarError::Bands { found });
-        }
-        if width.min(height) < LEAST_SAMPLES {
-            return Err(ExemplarError::Size { width, height });
-        }
-        if width * height > MOST_SAMPLES {
-            return Err(ExemplarError::Large { width, height });
-        }
-        if !(spacing_m > 0.0 && spacing_m <= MOST_SPACING_M) {
-            return Err(ExemplarError::Spacing { spacing_m });
+        let fits = width.min(height) >= LEAST_SAMPLES && width * height <= MOST_SAMPLES;
+        let is_length = spacing_m > 0.0 && spacing_m <= MOST_SPACING_M;
+        if colours.bands() != Bands::Colour || !fits || !is_length {
+            return None;
         }
         let mut mips = vec![Mip::finest(colours)];
         while let Some(half) = mips.last().and_then(Mip::halved) {
             mips.push(half);
         }
         if mips[0].light.iter().all(|v| v[3] == 0.0) {
-            return Err(ExemplarError::Empty);
+            return None;
         }
         fill_holes(&mut mips);
         for mip in &mut mips {
             mip.encoded = mip.light.iter().map(|v| v.map(srgb_from_linear)).collect();
             fit_to_shift(mip);
         }
-        let mut name = IdHasher::default();
-        name.float(spacing_m).int(width as i64).int(height as i64);
-        for v in colours.samples() {
-            name.float(f64::from(*v));
-        }
-        Ok(Self {
-            spacing_m,
-            mips,
-            name: name.finish(),
-        })
+        Some(Self { spacing_m, mips })
     }
 
     /// Metres from sample to sample.
-    pub fn spacing_m(&self) -> f64 {
+    pub(super) fn spacing_m(&self) -> f64 {
         self.spacing_m
     }
 
-    /// Names its samples and their spacing.
-    pub(super) fn name(&self) -> ContentId {
-        self.name
+    /// Bytes of one with so many samples: two colours for each, and a third of that for the coarser ones.
+    pub(super) fn bytes(samples: usize) -> usize {
+        samples * (2 * size_of::<[f32; 4]>()) * 4 / 3
     }
 
     /// Metres along rows and columns.
@@ -332,41 +270,19 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_exemplar_says_why() {
-        let spacing = |spacing_m| Exemplar::new(&ramp(8, 8), spacing_m).err();
-        assert_eq!(spacing(1.0), None);
-        for spacing_m in [0.0, -1.0, f64::INFINITY] {
-            assert_eq!(
-                spacing(spacing_m),
-                Some(ExemplarError::Spacing { spacing_m })
-            );
+    fn what_shows_nothing_is_no_exemplar() {
+        let is_one = |colours: &Block, spacing_m| Exemplar::new(colours, spacing_m).is_some();
+        assert!(is_one(&ramp(8, 8), 1.0));
+        for spacing_m in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+            assert!(!is_one(&ramp(8, 8), spacing_m));
         }
-        assert!(spacing(f64::NAN).is_some());
-        assert_eq!(
-            Exemplar::new(&ramp(8, 7), 1.0).err(),
-            Some(ExemplarError::Size {
-                width: 8,
-                height: 7
-            })
-        );
-        assert_eq!(
-            Exemplar::new(&Block::new(Bands::Height, 9, 9), 1.0).err(),
-            Some(ExemplarError::Bands {
-                found: Bands::Height
-            })
-        );
-        let large = Block::new(Bands::Colour, 1025, 1024);
-        assert!(matches!(
-            Exemplar::new(&large, 1.0),
-            Err(ExemplarError::Large { .. })
-        ));
+        assert!(!is_one(&ramp(8, 7), 1.0));
+        assert!(!is_one(&Block::new(Bands::Height, 9, 9), 1.0));
+        assert!(!is_one(&Block::new(Bands::Colour, 1025, 1024), 1.0));
         let mut nothing = Block::filled(Bands::Colour, 9, 9, &[f32::NAN, 0.5, 0.5, 1.0]);
-        assert_eq!(
-            Exemplar::new(&nothing, 1.0).err(),
-            Some(ExemplarError::Empty)
-        );
+        assert!(!is_one(&nothing, 1.0));
         nothing.plane_mut(0)[40] = 0.25;
-        assert!(Exemplar::new(&nothing, 1.0).is_ok());
+        assert!(is_one(&nothing, 1.0));
     }
 
     #[test]

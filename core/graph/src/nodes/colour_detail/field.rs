@@ -11,7 +11,7 @@ pub(super) struct Field {
 }
 
 /// North-west, north-east, south-west, south-east.
-type Quad = [f32; 4];
+pub(super) type Quad = [f32; 4];
 
 /// The smallest rectangle of coarse samples that covers `fine` ones, two by two each.
 pub(super) fn covering(fine: &SampleRect) -> SampleRect {
@@ -42,6 +42,50 @@ fn rise(around: &[[f32; 3]; 3]) -> Quad {
         south - east - twist,
         east + south + twist,
     ]
+}
+
+/// What two by two samples are above the smooth refinement of their own means: nothing that coarser samples
+/// show, and nothing on average.
+#[inline(always)]
+pub(super) fn above_smooth(quad: Quad, around_means: &[[f32; 3]; 3]) -> Quad {
+    let mean = around_means[1][1];
+    let rise = rise(around_means);
+    core::array::from_fn(|k| (quad[k] - mean) - rise[k])
+}
+
+/// The sample `at` of a plane and the eight around it.
+#[inline(always)]
+pub(super) fn around(plane: &[f32], stride: usize, at: usize) -> [[f32; 3]; 3] {
+    let row = |first: usize| [plane[first], plane[first + 1], plane[first + 2]];
+    [row(at - stride - 1), row(at - 1), row(at + stride - 1)]
+}
+
+/// The two by two samples of a plane under sample `at` of one that is half as wide.
+#[inline(always)]
+pub(super) fn quad(plane: &[f32], half_stride: usize, at: usize) -> Quad {
+    let (row, column) = (at / half_stride, at % half_stride);
+    let first = 4 * row * half_stride + 2 * column;
+    let south = first + 2 * half_stride;
+    [
+        plane[first],
+        plane[first + 1],
+        plane[south],
+        plane[south + 1],
+    ]
+}
+
+/// Means of two by two samples of a plane with an even number of rows and columns.
+pub(super) fn reduced(plane: &[f32], width: usize) -> Vec<f32> {
+    let mut out = vec![0.0; plane.len() / 4];
+    let rows = plane.chunks_exact((2 * width).max(1));
+    for (rows, out) in rows.zip(out.chunks_exact_mut((width / 2).max(1))) {
+        let (north, south) = rows.split_at(width);
+        let pairs = north.chunks_exact(2).zip(south.chunks_exact(2));
+        for (out, (n, s)) in out.iter_mut().zip(pairs) {
+            *out = ((n[0] + n[1]) + (s[0] + s[1])) * 0.25;
+        }
+    }
+    out
 }
 
 /// The largest share of `change`, at most 1, that leaves `from` + share · `change` in `low..=high`.
@@ -116,29 +160,11 @@ impl Field {
 
     /// Means of two by two samples of a field over what `self`'s rectangle would cover.
     fn reduced(&self) -> Self {
-        let mut out = Self::new(covering(&self.rect));
-        debug_assert_eq!(covered(&out.rect), self.rect, "whole quads");
+        let rect = covering(&self.rect);
+        debug_assert_eq!(covered(&rect), self.rect, "whole quads");
         let width = self.rect.width() as usize;
-        let out_width = out.rect.width().max(1) as usize;
-        for (plane, out) in self.planes.iter().zip(&mut out.planes) {
-            let rows = plane.chunks_exact((2 * width).max(1));
-            for (rows, out) in rows.zip(out.chunks_exact_mut(out_width)) {
-                let (north, south) = rows.split_at(width);
-                let pairs = north.chunks_exact(2).zip(south.chunks_exact(2));
-                for (out, (n, s)) in out.iter_mut().zip(pairs) {
-                    *out = ((n[0] + n[1]) + (s[0] + s[1])) * 0.25;
-                }
-            }
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn around(&self, plane: usize, at: usize) -> [[f32; 3]; 3] {
-        let plane = &self.planes[plane];
-        let stride = self.rect.width() as usize;
-        let row = |first: usize| [plane[first], plane[first + 1], plane[first + 2]];
-        [row(at - stride - 1), row(at - 1), row(at + stride - 1)]
+        let planes = core::array::from_fn(|plane| reduced(&self.planes[plane], width));
+        Self { rect, planes }
     }
 
     /// The colours at twice the resolution, with `detail` added: everywhere two by two samples have
@@ -146,25 +172,38 @@ impl Field {
     ///
     /// `detail` is given over all that `self` covers; what of it `self` can show already (its own
     /// average interpolation) is left out. The result covers all samples of `self` but the outermost.
+    pub(super) fn refined(&self, detail: Option<&Self>) -> Self {
+        let stride = self.rect.width() as usize;
+        let Some(detail) = detail else {
+            return self.refined_by(None::<&fn(usize) -> [Quad; 3]>);
+        };
+        debug_assert_eq!(detail.rect, covered(&self.rect), "detail for all samples");
+        let means = detail.reduced();
+        self.refined_by(Some(&|at: usize| {
+            core::array::from_fn(|plane| {
+                let fine = quad(&detail.planes[plane], stride, at);
+                above_smooth(fine, &around(&means.planes[plane], stride, at))
+            })
+        }))
+    }
+
+    /// The colours at twice the resolution, with `changes` of the children of a sample added, which have
+    /// no mean.
     ///
     /// Values stay below 1 where theirs do, and above a share of theirs: what would leave the range keeps
     /// its pattern and loses contrast, two by two samples at a time and in all channels alike, so that the
     /// hue stays.
-    pub(super) fn refined(&self, detail: Option<&Self>) -> Self {
+    pub(super) fn refined_by(&self, changes: Option<&impl Fn(usize) -> [Quad; 3]>) -> Self {
         let inner = self.rect.grow(-1);
         let mut out = Self::new(covered(&inner));
-        let means = detail.map(|detail| {
-            debug_assert_eq!(detail.rect, covered(&self.rect), "detail for all samples");
-            (detail, detail.reduced())
-        });
         let width = out.rect.width() as usize;
         for (row, y) in (inner.min.y..inner.max.y).enumerate() {
             let first = self.at(I64Vec2::new(inner.min.x, y));
             for column in 0..inner.width() as usize {
                 let (at, to) = (first + column, 2 * row * width + 2 * column);
                 let mut children = self.smooth(at);
-                if let Some((detail, means)) = &means {
-                    self.add(detail, means, at, &mut children);
+                if let Some(changes) = changes {
+                    self.add(at, &changes(at), &mut children);
                 }
                 for (plane, quad) in out.planes.iter_mut().zip(children) {
                     plane[to] = quad[0];
@@ -182,7 +221,8 @@ impl Field {
     fn smooth(&self, at: usize) -> [Quad; 3] {
         core::array::from_fn(|plane| {
             let parent = self.planes[plane][at];
-            let rise = rise(&self.around(plane, at));
+            let stride = self.rect.width() as usize;
+            let rise = rise(&around(&self.planes[plane], stride, at));
             let (low, high) = range(parent, SMOOTH_SHARE);
             let kept = rise.iter().fold(1.0_f32, |kept, rise| {
                 kept.min(share(parent, *rise, low, high))
@@ -191,32 +231,17 @@ impl Field {
         })
     }
 
-    /// Adds detail to the children of a sample.
+    /// Adds changes to the children of a sample.
     #[inline(always)]
-    fn add(&self, detail: &Self, means: &Self, at: usize, children: &mut [Quad; 3]) {
-        let stride = self.rect.width() as usize;
-        let (row, column) = (at / stride, at % stride);
-        let first = 4 * row * stride + 2 * column;
-        let mut changes = [[0.0; 4]; 3];
+    fn add(&self, at: usize, changes: &[Quad; 3], children: &mut [Quad; 3]) {
         let mut kept = 1.0_f32;
         for plane in 0..3 {
-            let fine = &detail.planes[plane];
-            let quad = [
-                fine[first],
-                fine[first + 1],
-                fine[first + 2 * stride],
-                fine[first + 2 * stride + 1],
-            ];
-            let mean = means.planes[plane][at];
-            let rise = rise(&means.around(plane, at));
-            let change: Quad = core::array::from_fn(|k| (quad[k] - mean) - rise[k]);
             let (low, high) = range(self.planes[plane][at], DETAIL_SHARE);
-            for (change, child) in change.iter().zip(&children[plane]) {
+            for (change, child) in changes[plane].iter().zip(&children[plane]) {
                 kept = kept.min(share(*child, *change, low.min(*child), high.max(*child)));
             }
-            changes[plane] = change;
         }
-        for (children, changes) in children.iter_mut().zip(&changes) {
+        for (children, changes) in children.iter_mut().zip(changes) {
             for (child, change) in children.iter_mut().zip(changes) {
                 *child += kept * change;
             }
