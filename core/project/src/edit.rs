@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use crate::{
-    Adjust, Blend, Bookmark, CameraSettings, Change, ContoursLayer, Date, Dated, Detail, Element,
-    ElementId, ElementStyle, Georeference, HeightEncoding, Layer, LayerId, LayerOverride, Mask,
-    Noise, PlanetSettings, Quality, Resampling, Scenario, ScenarioId, SlopeLayer, Stretch, Sun,
-    TileRows, Tint, VectorStyle,
+    Adjust, Blend, Bookmark, CameraSettings, Change, ColourDetail, ContoursLayer, Date, Dated,
+    Detail, Element, ElementId, ElementStyle, Georeference, HeightEncoding, Layer, LayerId,
+    LayerOverride, Mask, Noise, PlanetSettings, Quality, Resampling, Scenario, ScenarioId,
+    SlopeLayer, Stretch, Sun, TileRows, Tint, VectorStyle,
 };
 
 /// One change of a project. Values replace the old ones as a whole.
@@ -109,6 +109,27 @@ pub enum Edit {
         id: LayerId,
         /// Metres.
         edge_fade_m: f64,
+    },
+    /// Changes how far from the edge of its data an imagery layer bends to the colours below.
+    SetSeamBlend {
+        /// Which.
+        id: LayerId,
+        /// Metres.
+        seam_blend_m: f64,
+    },
+    /// Changes what an imagery layer shows where its file has no data.
+    SetMissing {
+        /// Which.
+        id: LayerId,
+        /// sRGB; `None`: what lies below.
+        missing: Option<[u8; 3]>,
+    },
+    /// Changes how an imagery layer goes on beyond its file's resolution.
+    SetColourDetail {
+        /// Which.
+        id: LayerId,
+        /// All of its detail, the first at the bottom.
+        detail: Vec<ColourDetail>,
     },
     /// Links an imagery or height layer to another file.
     SetPath {
@@ -484,11 +505,11 @@ pub enum Aspect {
     Source,
     /// Its resampling kernel.
     Resampling,
-    /// Its edge fade.
+    /// Its edge fade, or how it bends to what lies below.
     EdgeFade,
     /// Its vertical scale and offset.
     HeightScale,
-    /// Its noise, or the detail that it adds.
+    /// Its noise, or the detail that it adds: to heights or to its colours.
     Noise,
     /// Its tint.
     Tint,

@@ -22,6 +22,9 @@ impl Edit {
             | Self::SetAdjust { id, .. }
             | Self::SetResampling { id, .. }
             | Self::SetEdgeFade { id, .. }
+            | Self::SetSeamBlend { id, .. }
+            | Self::SetMissing { id, .. }
+            | Self::SetColourDetail { id, .. }
             | Self::SetPath { id, .. }
             | Self::SetGeoreference { id, .. }
             | Self::SetNodata { id, .. }
@@ -62,16 +65,19 @@ impl Edit {
             Self::SetMask { .. } => Aspect::Mask,
             Self::SetAdjust { .. } => Aspect::Adjust,
             Self::SetResampling { .. } => Aspect::Resampling,
-            Self::SetEdgeFade { .. } => Aspect::EdgeFade,
+            Self::SetEdgeFade { .. } | Self::SetSeamBlend { .. } => Aspect::EdgeFade,
             Self::SetPath { .. }
             | Self::SetGeoreference { .. }
             | Self::SetNodata { .. }
+            | Self::SetMissing { .. }
             | Self::SetTiles { .. }
             | Self::SetStretch { .. }
             | Self::SetBands { .. }
             | Self::SetVectorSource { .. } => Aspect::Source,
             Self::SetHeightScale { .. } => Aspect::HeightScale,
-            Self::SetNoise { .. } | Self::SetDetail { .. } => Aspect::Noise,
+            Self::SetNoise { .. } | Self::SetDetail { .. } | Self::SetColourDetail { .. } => {
+                Aspect::Noise
+            }
             Self::SetTint { .. } => Aspect::Tint,
             Self::SetVectorStyle { .. } | Self::SetSlope { .. } | Self::SetContours { .. } => {
                 Aspect::Style
@@ -144,6 +150,8 @@ impl Edit {
             Self::SetAdjust { id, adjust } => adjusted(project, id, adjust),
             Self::SetResampling { .. } => "Resampling of",
             Self::SetEdgeFade { .. } => "Edge fade of",
+            Self::SetSeamBlend { .. } => "Seams of",
+            Self::SetMissing { .. } => "Holes of",
             Self::SetPath { .. } => "File of",
             Self::SetGeoreference { .. } => "Place of",
             Self::SetNodata { .. } => "No-data value of",
@@ -152,7 +160,7 @@ impl Edit {
             Self::SetBands { .. } => "Bands of",
             Self::SetHeightScale { .. } => "Height scale of",
             Self::SetNoise { .. } => "Noise of",
-            Self::SetDetail { .. } => "Detail of",
+            Self::SetDetail { .. } | Self::SetColourDetail { .. } => "Detail of",
             Self::SetTint { .. } | Self::SetSlope { .. } => "Colours of",
             Self::SetVectorStyle { .. } | Self::SetContours { .. } => "Style of",
             Self::SetVectorSource { .. } => "Source of",

@@ -1,8 +1,8 @@
 //! Layers of the runtime document.
 
 use crate::{
-    Adjust, ContoursLayer, Dated, DetailLayer, Extra, LayerId, Mask, SlopeLayer, TintLayer,
-    VectorLayer,
+    Adjust, ColourDetail, ContoursLayer, Dated, DetailLayer, Extra, LayerId, Mask, SlopeLayer,
+    TintLayer, VectorLayer,
 };
 
 /// One layer of the stack.
@@ -300,6 +300,13 @@ pub struct ImageryLayer {
     pub bands: Option<Vec<u16>>,
     /// How stored numbers become colours.
     pub stretch: Stretch,
+    /// Metres from the edge of its data within which its colours bend to those below, 0 (not at all, the
+    /// default) to 10⁷.
+    pub seam_blend_m: f64,
+    /// sRGB colour of what has no data within the file. `None`: what lies below shows.
+    pub missing: Option<[u8; 3]>,
+    /// Detail beyond the file's resolution, the first at the bottom; up to 16.
+    pub detail: Vec<ColourDetail>,
     /// How it meets the layers below.
     pub blend: Blend,
     /// Colour adjustment.
@@ -313,6 +320,9 @@ impl ImageryLayer {
             source,
             bands: None,
             stretch: Stretch::Auto,
+            seam_blend_m: 0.0,
+            missing: None,
+            detail: Vec::new(),
             blend: Blend::Normal,
             adjust: Adjust::default(),
         }

@@ -11,6 +11,7 @@
 mod adjust;
 mod apply;
 mod build;
+mod colour_detail;
 mod detail;
 mod document;
 mod edit;
@@ -37,6 +38,7 @@ mod vertices;
 pub use adjust::{Adjust, AdjustSpace, ClearColour, CurvePoint, NEUTRAL_TEMPERATURE_K, ToneCurves};
 pub use apply::EditError;
 pub use build::{NewProjectError, SourceRole, layer_from_source};
+pub use colour_detail::{ColourDetail, DetailBy};
 pub use detail::{Detail, DetailLayer, DetailMethod};
 pub use document::{
     Aim, Auto, Body, Bookmark, CameraSettings, Extra, PlanetSettings, Project, Quality, Sun,

@@ -8,6 +8,7 @@ pub(crate) mod value;
 
 pub(crate) mod adjust;
 pub(crate) mod colour;
+pub(crate) mod colour_detail;
 pub(crate) mod convert;
 pub(crate) mod edits;
 pub(crate) mod elements;

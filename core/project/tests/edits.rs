@@ -6,10 +6,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use relievo_project::{
-    Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ClearColour, ContoursLayer, CurvePoint,
-    Dated, Detail, DetailLayer, DetailMethod, Edit, Extra, Georeference, HeightEncoding,
-    HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Mask, MaskRange, Noise,
-    NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source,
+    Adjust, Affects, Aim, Aspect, Blend, CameraSettings, ClearColour, ColourDetail, ContoursLayer,
+    CurvePoint, Dated, Detail, DetailBy, DetailLayer, DetailMethod, Edit, Extra, Georeference,
+    HeightEncoding, HeightLayer, History, ImageryLayer, Layer, LayerId, LayerKind, Mask, MaskRange,
+    Noise, NoiseLayer, PlanetSettings, Project, Quality, Resampling, SlopeLayer, SlopeStop, Source,
     Stretch, Sun, TileRows, Tint, TintInterpolation, TintStop, ToneCurves, parse_date,
 };
 
@@ -116,6 +116,24 @@ fn edit() -> impl Strategy<Value = Edit> {
             resampling: Resampling::Bilinear
         }),
         (id(), value.clone()).prop_map(|(id, edge_fade_m)| Edit::SetEdgeFade { id, edge_fade_m }),
+        (id(), value.clone())
+            .prop_map(|(id, seam_blend_m)| Edit::SetSeamBlend { id, seam_blend_m }),
+        (id(), any::<Option<[u8; 3]>>()).prop_map(|(id, missing)| Edit::SetMissing { id, missing }),
+        (id(), prop::collection::vec((id(), value.clone()), 0..18)).prop_map(|(of, all)| {
+            let detail = |(id, strength): (LayerId, f64)| ColourDetail {
+                strength,
+                areas: (strength > 0.5).then(|| id.clone()),
+                ..ColourDetail::new(if strength < 0.3 {
+                    DetailBy::Noise
+                } else {
+                    let layers = vec![id; usize::from(strength < 1.0)];
+                    let tolerance = strength;
+                    DetailBy::Examples { layers, tolerance }
+                })
+            };
+            let detail = all.into_iter().map(detail).collect();
+            Edit::SetColourDetail { id: of, detail }
+        }),
         (id(), "[a-z/.]{0,9}").prop_map(|(id, path)| Edit::SetPath { id, path }),
         (id(), any::<bool>()).prop_map(|(id, given)| {
             let crs = Some("EPSG:4326".to_owned());

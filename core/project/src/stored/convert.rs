@@ -1,6 +1,7 @@
 //! Between stored and runtime types, and the checks that a single number's range cannot make.
 
 mod adjust;
+mod colour_detail;
 mod elements;
 mod layer;
 mod mask;
@@ -12,6 +13,7 @@ mod vector;
 
 use std::collections::BTreeMap;
 
+pub(crate) use colour_detail::details;
 pub(crate) use elements::{check_element, element_id};
 pub(crate) use scenarios::{changes, check_change, scenario_id};
 

@@ -14,6 +14,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
 use super::adjust::Adjust;
+use super::colour::StoredColour;
+use super::colour_detail::ColourDetail;
 use super::elements::{Element, ElementStyle};
 use super::fault::{At, Fault, describe, quote};
 use super::mask::Mask;
@@ -115,6 +117,13 @@ stored_edits! {
     SetResampling = "set_resampling" { id: String, resampling: v1::Resampling, }
     /// Changes the width in metres over which a file's edge fades.
     SetEdgeFade = "set_edge_fade" { id: String, edge_fade_m: f64 = range::EDGE_FADE_M, }
+    /// Changes how many metres from the edge of its data an imagery layer bends to the colours below.
+    SetSeamBlend = "set_seam_blend" { id: String, seam_blend_m: f64 = range::EDGE_FADE_M, }
+    /// Changes the colour of what has no data in an imagery layer's file; what lies below where
+    /// `missing` is left out.
+    SetMissing = "set_missing" { id: String, missing: Option<StoredColour>, }
+    /// Replaces the detail of an imagery layer beyond its file's resolution.
+    SetColourDetail = "set_colour_detail" { id: String, detail: Vec<With<ColourDetail>>, }
     /// Links an imagery or height layer to another file.
     SetPath = "set_path" { id: String, path: String, }
     /// Places a file; as it says itself where `georeference` is left out.

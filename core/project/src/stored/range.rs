@@ -29,6 +29,8 @@ pub(crate) const FRAME_BUDGET_MS: Range<f64> = range(1.0, 1000.0);
 /// Also the limits of projected coordinates: far beyond any planet.
 pub(crate) const COORDINATE: Range<f64> = range(-1e10, 1e10);
 pub(crate) const EDGE_FADE_M: Range<f64> = range(0.0, 1e7);
+/// Of encoded colours: black to white is √3.
+pub(crate) const TOLERANCE: Range<f64> = range(0.0, 2.0);
 /// Beyond heights of a mask.
 pub(crate) const MASK_FADE_M: Range<f64> = range(0.0, 1e7);
 /// Radii of lenses: around any planet.
@@ -75,6 +77,10 @@ pub(crate) const MOST_LAYERS: usize = 10_000;
 /// Most points of a tone curve.
 pub(crate) const MOST_CURVE_POINTS: usize = 256;
 /// Most stops of a table of colours.
+/// Kinds of detail of a layer.
+pub(crate) const MOST_DETAILS: usize = 16;
+/// Layers that are examples of one kind of detail.
+pub(crate) const MOST_EXAMPLES: usize = 16;
 pub(crate) const MOST_STOPS: usize = 1000;
 /// Longest path and coordinate system in bytes.
 pub(crate) const LONGEST_PATH: usize = 4096;

@@ -8,6 +8,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
 use super::adjust::Adjust;
+use super::colour::StoredColour;
+use super::colour_detail::ColourDetail;
 use super::elements::Element;
 use super::fault::{At, Fault, describe, quote};
 use super::mask::Mask;
@@ -321,6 +323,14 @@ fields! {
         resampling: Option<Resampling>,
         /// Width in metres over which the layer fades in from its edge; 0 where left out.
         edge_fade_m: Option<f64> = range::EDGE_FADE_M,
+        /// Metres from the edge of its data within which the layer's colours bend to those below; 0 where
+        /// left out.
+        seam_blend_m: Option<f64> = range::EDGE_FADE_M,
+        /// Colour of what has no data within the file; what lies below shows where left out.
+        missing: Option<StoredColour>,
+        /// Detail beyond the file's resolution, the first at the bottom; none where left out.
+        #[schemars(length(max = range::MOST_DETAILS))]
+        detail: Option<Vec<With<ColourDetail>>>,
         /// How the colour meets what lies below; normal where left out.
         blend: Option<Blend>,
         /// Colour adjustment; none where left out.

@@ -1,7 +1,9 @@
 //! Layers and what they are made of.
 
 use super::adjust::adjust;
+use super::colour_detail::details;
 use super::{Twin, filled, text, unless_default};
+use crate::stored::colour::StoredColour;
 use crate::stored::fault::{At, Fault, quote};
 use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
@@ -162,6 +164,9 @@ impl Twin for ImageryLayer {
                 .map(|given| bands(&given, &At::Member(at, "bands")))
                 .transpose()?,
             stretch: stored.stretch.map_or(Stretch::Auto, |s| s.0),
+            seam_blend_m: stored.seam_blend_m.unwrap_or(0.0),
+            missing: stored.missing.map(|colour| colour.0),
+            detail: details(stored.detail.unwrap_or_default(), &At::Member(at, "detail"))?,
             blend: stored.blend.map_or(Blend::Normal, Into::into),
             adjust: adjust(stored.adjust, at)?,
         })
@@ -181,6 +186,10 @@ impl Twin for ImageryLayer {
             resampling: unless_default(self.source.resampling, &Resampling::Bilinear)
                 .map(Into::into),
             edge_fade_m: unless_default(self.source.edge_fade_m, &0.0),
+            seam_blend_m: unless_default(self.seam_blend_m, &0.0),
+            missing: self.missing.map(StoredColour),
+            detail: (!self.detail.is_empty())
+                .then(|| self.detail.iter().map(Twin::to_stored).collect()),
             blend: unless_default(self.blend, &Blend::Normal).map(Into::into),
             adjust: unless_default(&self.adjust, &&Adjust::default()).map(Twin::to_stored),
         }

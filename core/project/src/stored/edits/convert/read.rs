@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::stored::convert::{
-    Twin, bands, changes, element_id, filled, layer_id, layer_name, scenario_id, source_path, tint,
+    Twin, bands, changes, details, element_id, filled, layer_id, layer_name, scenario_id,
+    source_path, tint,
 };
 use crate::stored::edits::{SetChange, SetScenarioLayer, StoredEdit};
 use crate::stored::elements;
@@ -88,6 +89,18 @@ pub(super) fn edit(stored: StoredEdit, at: &At<'_>) -> Result<Edit, Fault> {
         StoredEdit::SetEdgeFade(e) => Edit::SetEdgeFade {
             id: id(e.id)?,
             edge_fade_m: e.edge_fade_m,
+        },
+        StoredEdit::SetSeamBlend(e) => Edit::SetSeamBlend {
+            id: id(e.id)?,
+            seam_blend_m: e.seam_blend_m,
+        },
+        StoredEdit::SetMissing(e) => Edit::SetMissing {
+            id: id(e.id)?,
+            missing: e.missing.map(|colour| colour.0),
+        },
+        StoredEdit::SetColourDetail(e) => Edit::SetColourDetail {
+            id: id(e.id)?,
+            detail: details(e.detail, &At::Member(at, "detail"))?,
         },
         StoredEdit::SetPath(e) => Edit::SetPath {
             id: id(e.id)?,

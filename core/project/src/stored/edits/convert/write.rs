@@ -1,16 +1,17 @@
 //! From runtime to stored edits.
 
+use crate::stored::colour::StoredColour;
 use crate::stored::convert::{Twin, position, stored_tint};
 use crate::stored::edits::{
     AddBookmark, AddElement, AddLayer, AddScenario, Batch, DuplicateScenario, MergeScenario,
     MoveElement, MoveLayer, RemoveBookmark, RemoveElement, RemoveLayer, RemoveScenario,
     RenameScenario, ReplaceBookmark, ReplaceElement, SetAdjust, SetBands, SetBlend, SetCamera,
-    SetChange, SetChanges, SetContours, SetDated, SetDetail, SetEdgeFade, SetElementLocked,
-    SetElementName, SetElementStyle, SetElementVisible, SetExaggeration, SetGeoreference,
-    SetHeightScale, SetLocked, SetMask, SetName, SetNodata, SetNoise, SetOpacity, SetPath,
-    SetPlanet, SetQuality, SetResampling, SetScenarioLayer, SetScenarioParent, SetSlope,
-    SetStretch, SetSun, SetTiles, SetTint, SetVectorSource, SetVectorStyle, SetVisible, ShowDate,
-    ShowScenario, StoredEdit,
+    SetChange, SetChanges, SetColourDetail, SetContours, SetDated, SetDetail, SetEdgeFade,
+    SetElementLocked, SetElementName, SetElementStyle, SetElementVisible, SetExaggeration,
+    SetGeoreference, SetHeightScale, SetLocked, SetMask, SetMissing, SetName, SetNodata, SetNoise,
+    SetOpacity, SetPath, SetPlanet, SetQuality, SetResampling, SetScenarioLayer, SetScenarioParent,
+    SetSeamBlend, SetSlope, SetStretch, SetSun, SetTiles, SetTint, SetVectorSource, SetVectorStyle,
+    SetVisible, ShowDate, ShowScenario, StoredEdit,
 };
 use crate::stored::series::StoredDate;
 use crate::stored::stretch::StoredStretch;
@@ -72,6 +73,18 @@ pub(super) fn edit(edit: &Edit) -> StoredEdit {
         Edit::SetEdgeFade { id, edge_fade_m } => StoredEdit::SetEdgeFade(SetEdgeFade {
             id: text(id),
             edge_fade_m: *edge_fade_m,
+        }),
+        Edit::SetSeamBlend { id, seam_blend_m } => StoredEdit::SetSeamBlend(SetSeamBlend {
+            id: text(id),
+            seam_blend_m: *seam_blend_m,
+        }),
+        Edit::SetMissing { id, missing } => StoredEdit::SetMissing(SetMissing {
+            id: text(id),
+            missing: missing.map(StoredColour),
+        }),
+        Edit::SetColourDetail { id, detail } => StoredEdit::SetColourDetail(SetColourDetail {
+            id: text(id),
+            detail: detail.iter().map(Twin::to_stored).collect(),
         }),
         Edit::SetPath { id, path } => StoredEdit::SetPath(SetPath {
             id: text(id),
