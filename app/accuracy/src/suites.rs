@@ -2,6 +2,7 @@
 
 pub mod colour;
 pub mod convergence;
+pub mod detail;
 pub mod geometry;
 pub mod leaving_out;
 pub mod noise;
@@ -23,6 +24,7 @@ pub const ALL: &[Suite] = &[
     resample::SUITE,
     planning::SUITE,
     noise::SUITE,
+    detail::SUITE,
     stability::SUITE,
     leaving_out::SUITE,
 ];
