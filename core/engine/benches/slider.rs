@@ -1,8 +1,9 @@
 //! A slider of one visible imagery layer: from the change to the moment at which every tile that the
 //! picture selects is made and handed over, as a window sees it, without drawing.
 //!
-//! `cargo bench -p relievo-engine --bench slider [-- PROJECT]`; the topmost visible imagery layer of the project
-//! (`projects/earth.relievo`) is changed 60 times in three places. Times of the processor, of workers and of
+//! `cargo bench -p relievo-engine --bench slider [-- PROJECT] [--stack N]`; the topmost visible imagery layer
+//! of the project (`projects/earth.relievo`) is changed 60 times in three places, with `--stack` under N - 1 copies
+//! of itself, each adjusted and seen through. Times of the processor, of workers and of
 //! the thread that asks, do not count other load on the machine.
 
 #![expect(clippy::print_stdout, reason = "a bench says what it found")]
@@ -59,6 +60,34 @@ fn imagery(engine: &Engine) -> LayerId {
     layer.unwrap().id.clone()
 }
 
+/// Lays copies over the topmost imagery layer until there are `count` of it, each with an adjustment of
+/// its own; the lowest one is the dearest to change.
+fn stack(engine: &mut Engine, count: usize) {
+    let id = imagery(engine);
+    let lowest = engine.project().layer(&id).unwrap().clone();
+    let at = engine.project().layer_index(&id).unwrap();
+    for k in 1..count {
+        let mut layer = lowest.clone();
+        layer.id = LayerId(format!("{}-{k}", id.0));
+        layer.opacity = 0.7;
+        if let LayerKind::Imagery(imagery) = &mut layer.kind {
+            let by = 0.05 * k as f64;
+            imagery.adjust = Adjust {
+                brightness: 0.5 * by,
+                contrast: 1.0 + by,
+                hue_deg: 40.0 * by,
+                saturation: 1.0 - by,
+                gamma: 1.0 + by,
+                ..Adjust::default()
+            };
+        }
+        let layer = Box::new(layer);
+        let index = Some(at + k);
+        engine.apply(Edit::AddLayer { index, layer }).unwrap();
+    }
+    engine.wait_for_sources();
+}
+
 /// The edit of step `i`: every step another value.
 type Step = fn(LayerId, usize) -> Edit;
 
@@ -76,7 +105,15 @@ fn opacity(id: LayerId, i: usize) -> Edit {
 }
 
 fn main() {
-    let named = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    let mut arguments = std::env::args().skip(1);
+    let (mut named, mut layers) = (None, 1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--stack" => layers = arguments.next().and_then(|n| n.parse().ok()).unwrap(),
+            flag if flag.starts_with("--") => {}
+            file => named = Some(file.to_owned()),
+        }
+    }
     let projects = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects");
     let project = named.map_or_else(|| projects.join("earth.relievo"), PathBuf::from);
     println!("processor: milliseconds a change, all workers together, and the asking thread");
@@ -96,8 +133,9 @@ fn main() {
                 height_texel_px: 2.0,
                 max_taps: 4,
             });
-            settle(&mut engine);
             let id = imagery(&engine);
+            stack(&mut engine, layers);
+            settle(&mut engine);
             // The first change of a drag pins what lies below; those that follow are what is felt.
             engine.begin_drag();
             engine.apply(step(id.clone(), 0)).unwrap();

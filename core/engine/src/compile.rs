@@ -8,6 +8,7 @@ mod colours;
 mod detail;
 mod difference;
 mod heights;
+mod imagery;
 mod marks;
 mod mask;
 mod relief;
@@ -145,7 +146,7 @@ pub(crate) fn compile(
         None => colours,
     };
     let colour = if wish.synthesised {
-        compiler.synthesised(project, colour)
+        compiler.synthesised(project, Ground { height, normal }, colour)
     } else {
         colour
     };
@@ -349,6 +350,11 @@ pub(crate) fn without_detail(project: &Project) -> Project {
     let mut bare = project.clone();
     bare.layers
         .retain(|layer| !matches!(layer.kind, LayerKind::Detail(_)));
+    for layer in &mut bare.layers {
+        if let LayerKind::Imagery(imagery) = &mut layer.kind {
+            imagery.detail.clear();
+        }
+    }
     bare
 }
 

@@ -74,9 +74,11 @@ impl Questions {
         (method, strength): (MatchMethod, f64),
         task: &Task,
     ) -> Result<ColourMatch, AnalysisError> {
-        let from = self.coloured(layer, Stage::Source)?;
-        let to = self.target(layer, target)?;
-        let pairs = self.colour_pairs([from, to], area, task)?;
+        // What is made up is neither matched nor compared.
+        let data = self.without_detail();
+        let from = data.coloured(layer, Stage::Source)?;
+        let to = data.target(layer, target)?;
+        let pairs = data.colour_pairs([from, to], area, task)?;
         let fit = fit(&pairs, method).map_err(|few| refused(few.to_string()))?;
         Ok(ColourMatch {
             adjust: adjust(&fit, method, strength),
@@ -97,9 +99,10 @@ impl Questions {
         area: Option<&MapBox>,
         task: &Task,
     ) -> Result<(Difference, usize), AnalysisError> {
-        let from = self.coloured(layer, Stage::Adjusted)?;
-        let to = self.target(layer, target)?;
-        let pairs = self.colour_pairs([from, to], area, task)?;
+        let data = self.without_detail();
+        let from = data.coloured(layer, Stage::Adjusted)?;
+        let to = data.target(layer, target)?;
+        let pairs = data.colour_pairs([from, to], area, task)?;
         let difference = colour_difference(&pairs).map_err(|few| refused(few.to_string()))?;
         Ok((difference, pairs.len()))
     }

@@ -5,11 +5,16 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use relievo_earthwork::Part;
 use relievo_graph::{Graph, NodeIndex, RenderError};
+use relievo_planet::clipmap::levels::{columns_exponent, reach_rad};
 use relievo_planet::{Grid, GridCrs, Lattice, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_project::LayerId;
-use relievo_raster::{Block, Cancel};
+use relievo_raster::colour::to_u8;
+use relievo_raster::{Bands, Block, Cancel};
 
 use crate::scene::Scene;
+
+/// Side in samples of the windows whose levels are asked.
+const WINDOW: u32 = 1024;
 
 /// What is said of measures where detail is shown.
 pub(crate) const WITHOUT_DETAIL: &str =
@@ -32,6 +37,12 @@ pub struct PlaceAnswer {
     pub synthesised_below_m: Option<f64>,
     /// Straight red, green, blue and alpha as 8-bit sRGB; `None` where the project has no colour.
     pub colour: Option<[u8; 4]>,
+    /// Colour by the files alone, where detail beyond their resolution changes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub data_colour: Option<[u8; 4]>,
+    /// There: patterns shorter than this, in metres, are synthesised.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub colour_synthesised_below_m: Option<f64>,
     /// Slope of the ground in degrees.
     pub slope_deg: Option<f64>,
     /// What made the height, in order of evaluation.
@@ -101,13 +112,13 @@ impl Questions {
         };
         let height_m = f64::from(ask(scene.roots.height)?.samples()[0]);
         let detail = self.detail(height_m, &grid, cancel)?;
-        let colour = match scene.roots.colour {
-            Some(node) => {
-                let c = ask(node)?;
-                Some([0, 1, 2, 3].map(|i| relievo_raster::colour::to_u8(c.samples()[i])))
-            }
-            None => None,
+        let shown_grid = if scene.is_synthesised() {
+            level_sample(point, scene.finest())
+        } else {
+            grid.clone()
         };
+        let colour = colour_of(scene, &shown_grid, cancel)?;
+        let colour_detail = self.colour_detail(colour, &shown_grid, cancel)?;
         let slope_deg = match scene.roots.normal {
             Some(_) => Some(self.slope_deg(point, step_rad, cancel)?),
             None => None,
@@ -120,7 +131,7 @@ impl Questions {
                 maker.part = Some(name_of(part));
             }
         }
-        let makers = |root| self.makers(&scene.graph, root, &grid);
+        let makers = |root| self.makers(&scene.graph, root, &shown_grid);
         let mut colour_made_by = scene.roots.colour.map_or_else(Vec::new, makers);
         // What no layer draws, elements do; the one on top is the last.
         let painted = colour_made_by.iter_mut().rev();
@@ -134,6 +145,8 @@ impl Questions {
             data_height_m: detail.map(|(data_m, _)| data_m),
             synthesised_below_m: detail.map(|(_, below_m)| below_m),
             colour,
+            data_colour: colour_detail.map(|(data, _)| data),
+            colour_synthesised_below_m: colour_detail.map(|(_, below_m)| below_m),
             slope_deg,
             height_made_by,
             colour_made_by,
@@ -191,6 +204,34 @@ impl Questions {
         Ok(None)
     }
 
+    /// The files' own colour where detail changes it, and how long patterns are that are made up.
+    fn colour_detail(
+        &self,
+        colour: Option<[u8; 4]>,
+        grid: &Grid,
+        cancel: &Cancel,
+    ) -> Result<Option<([u8; 4], f64)>, RenderError> {
+        let (scene, surveyed) = (&self.scene, &self.surveyed);
+        let Some(root) = scene.roots.colour.filter(|_| !Arc::ptr_eq(scene, surveyed)) else {
+            return Ok(None);
+        };
+        let data = colour_of(surveyed, grid, cancel)?;
+        let Some(data) = data.filter(|data| Some(*data) != colour) else {
+            return Ok(None);
+        };
+        // The layer on top that has colours there.
+        for node in scene.graph.made_by(root, grid).into_iter().rev() {
+            let is_colour = scene.graph.node(node).output() == Bands::Colour;
+            let Some(below_m) = scene.synthesised_below_m(node).filter(|_| is_colour) else {
+                continue;
+            };
+            if scene.graph.evaluate(node, grid, cancel)?.samples()[3] > 0.0 {
+                return Ok(Some((data, below_m)));
+            }
+        }
+        Ok(None)
+    }
+
     /// Slope from central differences along two great circles that cross at the point, so that a
     /// pole is a place like any other.
     fn slope_deg(
@@ -237,6 +278,24 @@ impl Questions {
             })
             .collect()
     }
+}
+
+/// The colour of one sample, where a scene has colours.
+fn colour_of(scene: &Scene, grid: &Grid, cancel: &Cancel) -> Result<Option<[u8; 4]>, RenderError> {
+    let Some(root) = scene.roots.colour else {
+        return Ok(None);
+    };
+    let block = scene.graph.evaluate(root, grid, cancel)?;
+    let samples = block.samples();
+    Ok(Some([0, 1, 2, 3].map(|i| to_u8(samples[i]))))
+}
+
+/// The sample of a level around a point: what is synthesised there is what is drawn there.
+fn level_sample(point: MapPoint, n: u8) -> Grid {
+    let reach_rad = reach_rad(n, WINDOW);
+    let level = LevelKey::new(columns_exponent(n, point.colat_rad, reach_rad, WINDOW), n);
+    let at = level.sample_from_map(point).floor().as_i64vec2();
+    Grid::new(Arc::new(level.lattice()), SampleRect::at(at.x, at.y, 1, 1))
 }
 
 /// A grid of one sample, square on the ground, with its centre at a point.

@@ -111,8 +111,9 @@ impl Compiler<'_> {
         base: NodeIndex,
         ground: Ground,
     ) -> Option<NodeIndex> {
-        let (top, blend) = self.top(layer, ground)?;
+        let (top, blend) = self.top(layer, project, ground)?;
         let mask = self.mask(layer, project, ground);
+        let top = self.with_seams_blended(layer, base, top, mask);
         let mut inputs = match &layer.kind {
             LayerKind::Imagery(imagery) => {
                 let file = self.open(layer)?;
@@ -136,25 +137,15 @@ impl Compiler<'_> {
     }
 
     /// A layer's own colours, adjusted, and how they meet what lies below.
-    fn top(&mut self, layer: &Layer, ground: Ground) -> Option<(NodeIndex, Blend)> {
+    fn top(
+        &mut self,
+        layer: &Layer,
+        project: &Project,
+        ground: Ground,
+    ) -> Option<(NodeIndex, Blend)> {
         match &layer.kind {
             LayerKind::Imagery(imagery) => {
-                let file = self.open(layer)?;
-                let finest =
-                    level_of_step(self.warp(layer, &file, &imagery.source)?.finest_step_rad());
-                let top = self.file_node(layer, &file, &imagery.source, (1.0, 0.0))?;
-                let deep = file.info().deep_colour;
-                self.builder.cut(
-                    top,
-                    if deep {
-                        SampleType::Rgba16F
-                    } else {
-                        SampleType::Rgba8
-                    },
-                );
-                self.details.push(Detail::everywhere(top, finest));
-                let adjusted = self.adjusted(layer, &imagery.adjust, top);
-                Some((adjusted, imagery.blend))
+                Some((self.imagery(layer, imagery, project)?, imagery.blend))
             }
             LayerKind::Tint(tint) => {
                 let node = self.keep(layer, relief::tint(&tint.tint))?;
@@ -200,7 +191,12 @@ impl Compiler<'_> {
         ground.normal
     }
 
-    fn adjusted(&mut self, layer: &Layer, adjust: &ProjectAdjust, top: NodeIndex) -> NodeIndex {
+    pub(super) fn adjusted(
+        &mut self,
+        layer: &Layer,
+        adjust: &ProjectAdjust,
+        top: NodeIndex,
+    ) -> NodeIndex {
         if adjust.is_identity() {
             return top;
         }

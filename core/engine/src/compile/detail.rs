@@ -9,7 +9,7 @@ use relievo_graph::nodes::{
 use relievo_project::{DetailMethod as ProjectMethod, Layer, LayerKind, NoiseMode, Project};
 use relievo_raster::SampleType;
 
-use super::{Compiler, level_of_step};
+use super::{Compiler, Ground, level_of_step};
 use crate::scene::Detail;
 
 impl Compiler<'_> {
@@ -102,6 +102,7 @@ impl Compiler<'_> {
     pub(super) fn synthesised(
         &mut self,
         project: &Project,
+        ground: Ground,
         below: Option<NodeIndex>,
     ) -> Option<NodeIndex> {
         let (said, left_out) = (self.problems.len(), self.left_out.len());
@@ -110,17 +111,22 @@ impl Compiler<'_> {
         for (layer, detail) in self.height_layers(project) {
             amount = self.amount_with(layer, detail, amount).unwrap_or(amount);
         }
+        let colours = self.synthesised_colours(project, ground);
         // Whatever is odd about a layer was told where it is shown.
         self.problems.truncate(said);
         self.left_out.truncate(left_out);
         // These nodes say something of layers and are no part of them.
         self.layers = layers;
-        // Stops that are written down here rise.
-        let Ok(tint) = Tint::new(&stops(), true) else {
-            return below;
-        };
-        let colours = self.builder.add(Arc::new(tint), &[amount]);
-        Some(self.lay_over_shown(below, colours))
+        let mut below = below;
+        for (amount, stops) in [(colours, &COLOURS[..]), (Some(amount), &heights()[..])] {
+            // Stops that are written down here rise.
+            let tint = Tint::new(stops, true).ok();
+            if let (Some(amount), Some(tint)) = (amount, tint) {
+                let tinted = self.builder.add(Arc::new(tint), &[amount]);
+                below = Some(self.lay_over_shown(below, tinted));
+            }
+        }
+        below
     }
 
     /// How high synthesised detail is once a layer lies over what is below it.
@@ -170,8 +176,20 @@ impl Compiler<'_> {
     }
 }
 
+/// Colours where those of imagery are made up: teal.
+const COLOURS: [Stop; 2] = [
+    Stop {
+        height_m: 0.0,
+        rgba: [0.0, 0.6, 0.6, 0.0],
+    },
+    Stop {
+        height_m: 1.0,
+        rgba: [0.0, 0.6, 0.6, 0.4],
+    },
+];
+
 /// Colours by metres of detail: nothing without, violet as it grows.
-fn stops() -> [Stop; 5] {
+fn heights() -> [Stop; 5] {
     [
         (0.0, 0.0),
         (0.02, 0.3),

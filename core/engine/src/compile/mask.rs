@@ -61,7 +61,7 @@ impl Compiler<'_> {
             weights.push(self.add(layer, Arc::new(node), &[]));
         }
         if let Some(id) = &mask.vector {
-            weights.extend(self.areas(layer, project, id));
+            weights.extend(self.areas(layer, project, id, "mask"));
         }
         match (weights.as_slice(), mask.invert) {
             ([], _) => None,
@@ -73,14 +73,24 @@ impl Compiler<'_> {
         }
     }
 
-    /// What the areas of a vector layer cover; `None` where there is no such layer.
-    fn areas(&mut self, layer: &Layer, project: &Project, id: &LayerId) -> Option<NodeIndex> {
+    /// What the areas of a vector layer cover, for something of a layer; `None` where there is no such
+    /// vector layer, or its file is not open.
+    pub(super) fn areas(
+        &mut self,
+        layer: &Layer,
+        project: &Project,
+        id: &LayerId,
+        purpose: &str,
+    ) -> Option<NodeIndex> {
         let found = project.layer(id).map(|other| &other.kind);
         let Some(kind @ LayerKind::Vector(_)) = found else {
             let found = found.map_or("none".to_owned(), |kind| {
                 format!("one of kind {}", kind.name())
             });
-            let expected = format!("expected a vector layer {:?} for the mask", id.0.as_str());
+            let expected = format!(
+                "expected a vector layer {:?} for the {purpose}",
+                id.0.as_str()
+            );
             self.complain(layer, format!("{expected}, found {found}"));
             return None;
         };

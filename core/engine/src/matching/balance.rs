@@ -93,7 +93,8 @@ impl Questions {
             })
         });
         let held = held.transpose()?;
-        let common = self.overlaps(layers, held, area, task)?;
+        // What is made up is not balanced.
+        let common = self.without_detail().overlaps(layers, held, area, task)?;
         let overlaps: Vec<Overlap> = common
             .iter()
             .map(|c| c.ground.overlap(c.pictures[0], c.pictures[1]))
