@@ -40,7 +40,8 @@ pub(crate) struct Arguments {
     /// The coordinate system of bounds, resolution and file: EPSG:n, ESRI:n or a proj string.
     #[arg(long, value_name = "EPSG:N", default_value = "EPSG:4326")]
     crs: String,
-    /// Leave out detail that is synthesised beyond the data's own resolution: heights as they were measured.
+    /// Leave out detail that is synthesised beyond the data's own resolution: heights and colours as the
+    /// files have them.
     #[arg(long)]
     without_detail: bool,
     /// For differences the scenario before: its name or id, base, or ground for no elements.

@@ -1,6 +1,7 @@
 //! The settings of the selected layer.
 
 mod adjust;
+mod colour_detail;
 mod dated;
 pub(crate) mod element;
 mod heights;
@@ -11,7 +12,7 @@ mod vector;
 
 use eframe::egui::{self, CollapsingHeader, RichText, ScrollArea, TextEdit, Ui};
 use relievo_engine::project::{
-    Blend, Edit, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Resampling, Source,
+    Blend, Edit, HeightLayer, ImageryLayer, Layer, LayerId, LayerKind, Project, Resampling, Source,
     TintLayer,
 };
 use relievo_engine::{Engine, SourceState};
@@ -31,6 +32,15 @@ const EDGE_FADE: Number = Number::new(
     "Edge fade",
     "Width over which the layer fades in from its edge, on the ground",
     0.0..=100_000.0,
+    0.0,
+)
+.unit(" m", 0)
+.logarithmic();
+
+const SEAM_BLEND: Number = Number::new(
+    "Seam blend",
+    "How far from the edge of its data the layer's colours bend to those below; its pattern stays",
+    0.0..=1_000_000.0,
     0.0,
 )
 .unit(" m", 0)
@@ -106,7 +116,7 @@ impl Inspector {
                 };
                 controls::number(ui, &OPACITY, layer.opacity, actions, opacity);
                 match &layer.kind {
-                    LayerKind::Imagery(l) => imagery(ui, id, l, actions),
+                    LayerKind::Imagery(l) => imagery(ui, engine.project(), layer, l, actions),
                     LayerKind::Height(l) => height(ui, id, l, actions),
                     LayerKind::Noise(l) => heights::noise(ui, id, &l.noise, actions),
                     LayerKind::Detail(l) => heights::detail(ui, id, &l.detail, actions),
@@ -249,12 +259,34 @@ fn file(ui: &mut Ui, engine: &Engine, layer: &Layer, actions: &mut Vec<Action>) 
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
 }
 
-fn imagery(ui: &mut Ui, id: &LayerId, layer: &ImageryLayer, actions: &mut Vec<Action>) {
-    blend(ui, id, layer.blend, actions);
-    source(ui, id, &layer.source, actions);
+fn imagery(
+    ui: &mut Ui,
+    project: &Project,
+    layer: &Layer,
+    imagery: &ImageryLayer,
+    actions: &mut Vec<Action>,
+) {
+    let id = &layer.id;
+    blend(ui, id, imagery.blend, actions);
+    source(ui, id, &imagery.source, actions);
+    edges(ui, id, imagery, actions);
+    colour_detail::show(ui, project, layer, &imagery.detail, actions);
     section(ui, "Adjust", |ui| {
-        adjust::show(ui, id, &layer.adjust, actions);
+        adjust::show(ui, id, &imagery.adjust, actions);
     });
+}
+
+/// How the layer meets what lies below where its data end.
+fn edges(ui: &mut Ui, id: &LayerId, imagery: &ImageryLayer, actions: &mut Vec<Action>) {
+    let seam = |seam_blend_m| Edit::SetSeamBlend {
+        id: id.clone(),
+        seam_blend_m,
+    };
+    controls::number(ui, &SEAM_BLEND, imagery.seam_blend_m, actions, seam);
+    if let Some(missing) = vector::colour(ui, "Fill holes", imagery.missing) {
+        let id = id.clone();
+        actions.push(Action::Edit(Edit::SetMissing { id, missing }));
+    }
 }
 
 fn height(ui: &mut Ui, id: &LayerId, layer: &HeightLayer, actions: &mut Vec<Action>) {

@@ -51,6 +51,13 @@ pub(crate) fn show(
                         ),
                     );
                 }
+                if let (Some([r, g, b, _]), Some(below_m)) =
+                    (place.data_colour, place.colour_synthesised_below_m)
+                {
+                    let finer = length(below_m);
+                    row("Synthesised", format!("patterns shorter than {finer}"));
+                    row("By the files", format!("#{r:02x}{g:02x}{b:02x}"));
+                }
                 row("Spacing", length(place.spacing_m));
             });
         makers(ui, "Height made by", project, &place.height_made_by);

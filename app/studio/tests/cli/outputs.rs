@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::shared::{relievo_into, sample_file};
+use crate::shared::{good, relievo_into, sample_file};
 
 /// The line of a run that must end with a code.
 fn line(arguments: &[&str], expected: u8) -> String {
@@ -175,4 +175,40 @@ fn a_file_without_permission_is_told() {
     let told = line(&["info", &desk.at("dem.tif")], 2);
     assert!(told.contains("dem.tif"), "{told}");
     line(&["check", &desk.at("p.relievo")], 2);
+}
+
+#[test]
+fn what_is_synthesised_is_left_out_of_a_bake_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let layers = |detail: &str| {
+        let dem = sample_file("data/wasatch-dem.tif");
+        format!(
+            r#"{{"version": 1, "layers": [
+                {{"id": "dem", "kind": "height", "path": {dem:?}}}{detail}]}}"#
+        )
+    };
+    let detail = r#", {"id": "finer", "kind": "detail"}"#;
+    std::fs::write(path("finer.relievo"), layers(detail)).unwrap();
+    std::fs::write(path("plain.relievo"), layers("")).unwrap();
+    let bake = |project: &str, out: &str, more: &[&str]| {
+        let (project, out) = (path(project), path(out));
+        let fixed = [
+            "bake",
+            &project,
+            "-o",
+            &out,
+            "--output",
+            "height",
+            "--bounds=-111.60,40.30,-111.59,40.31",
+            "--resolution=0.0001",
+        ];
+        good(&[&fixed[..], more].concat());
+        std::fs::read(out).unwrap()
+    };
+    let plain = bake("plain.relievo", "plain.tif", &[]);
+    let finer = bake("finer.relievo", "finer.tif", &[]);
+    let measured = bake("finer.relievo", "measured.tif", &["--without-detail"]);
+    assert!(measured == plain, "the data alone");
+    assert!(finer != plain, "detail is there without the flag");
 }

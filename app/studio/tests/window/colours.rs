@@ -3,7 +3,7 @@
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable};
-use relievo_engine::project::{Adjust, LayerKind};
+use relievo_engine::project::{Adjust, DetailBy, ImageryLayer, LayerId, LayerKind};
 
 use super::shared::Window;
 
@@ -140,4 +140,77 @@ fn a_lens_is_put_on_a_layer_and_dragged_over_the_terrain_as_one_step() {
         "the ground moves again"
     );
     assert_eq!(circle(&window), None);
+}
+
+/// Two pictures whose files are gone: what is set does not need them.
+const PICTURES: &str = r#"{"version": 1, "layers": [
+    {"id": "near", "name": "Aerial", "kind": "imagery", "path": "gone/near.tif"},
+    {"id": "wide", "name": "Satellite", "kind": "imagery", "path": "gone/wide.tif"}]}"#;
+
+fn imagery(window: &Window) -> ImageryLayer {
+    let layer = window.layers().iter().find(|l| l.id.0 == "wide").unwrap();
+    let LayerKind::Imagery(imagery) = &layer.kind else {
+        panic!("expected imagery, found {}", layer.kind.name());
+    };
+    imagery.clone()
+}
+
+#[test]
+fn imagery_goes_on_after_examples_or_by_noise_and_every_step_is_taken_back() {
+    let mut window = Window::open(PICTURES);
+    window
+        .harness
+        .get_by_label("Detail beyond the file")
+        .click();
+    window.steps();
+    window.click("Add examples");
+    let [only] = &imagery(&window).detail[..] else {
+        panic!("one kind of detail");
+    };
+    let DetailBy::Examples { layers, .. } = &only.by else {
+        panic!("after examples");
+    };
+    assert_eq!(layers[..], [LayerId::from("near")]);
+    window
+        .harness
+        .get_by_role_and_label(Role::Slider, "Amount")
+        .set_value_accesskit(2.0);
+    window.steps();
+    assert_eq!(imagery(&window).detail[0].strength, 2.0);
+    window.click("Add noise");
+    let by: Vec<bool> = imagery(&window)
+        .detail
+        .iter()
+        .map(|d| d.by == DetailBy::Noise)
+        .collect();
+    assert_eq!(by, [false, true]);
+    for count in [1, 1, 0] {
+        window.press(Modifiers::COMMAND, Key::Z);
+        assert_eq!(imagery(&window).detail.len(), count);
+    }
+    assert_eq!(window.undo_label(), None);
+}
+
+#[test]
+fn holes_and_seams_are_set_in_the_inspector() {
+    let mut window = Window::open(PICTURES);
+    window
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "Fill holes")
+        .click();
+    window.steps();
+    assert!(imagery(&window).missing.is_some());
+    window
+        .harness
+        .get_by_role_and_label(Role::Slider, "Seam blend")
+        .set_value_accesskit(500.0);
+    window.steps();
+    assert_eq!(imagery(&window).seam_blend_m, 500.0);
+    for _ in 0..2 {
+        window.press(Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(
+        (imagery(&window).missing, imagery(&window).seam_blend_m),
+        (None, 0.0)
+    );
 }

@@ -277,37 +277,71 @@ fn shown_name<'a>(name: Option<&'a str>, none: &'a str) -> &'a str {
 }
 
 fn areas(ui: &mut Ui, project: &Project, layer: &Layer, mask: &Mask, actions: &mut Vec<Action>) {
+    let words = Words {
+        title: "In areas of",
+        hint: "Show the layer only inside the areas of a vector layer, which may be hidden",
+        none: "None",
+    };
+    let edit = |new| set(&layer.id, mask, |m| m.vector = new);
+    vector_layer(
+        ui,
+        project,
+        layer,
+        (&words, mask.vector.as_ref()),
+        actions,
+        edit,
+    );
+}
+
+/// What a choice of a vector layer is called.
+pub(super) struct Words {
+    pub(super) title: &'static str,
+    pub(super) hint: &'static str,
+    /// The choice of no layer.
+    pub(super) none: &'static str,
+}
+
+/// A choice of a vector layer whose areas count; nothing where there is none to choose.
+pub(super) fn vector_layer(
+    ui: &mut Ui,
+    project: &Project,
+    layer: &Layer,
+    (words, chosen): (&Words, Option<&LayerId>),
+    actions: &mut Vec<Action>,
+    edit: impl FnOnce(Option<LayerId>) -> Edit,
+) {
     let others: Vec<&Layer> = project
         .layers
         .iter()
         .filter(|other| other.id != layer.id && matches!(other.kind, LayerKind::Vector(_)))
         .collect();
-    if others.is_empty() && mask.vector.is_none() {
+    if others.is_empty() && chosen.is_none() {
         return;
     }
     ui.horizontal(|ui| {
-        let hint = "Show the layer only inside the areas of a vector layer, which may be hidden";
-        let label = controls::name(ui, "In areas of", false).on_hover_text(hint);
-        let chosen = mask.vector.as_ref();
+        let label = controls::name(ui, words.title, false).on_hover_text(words.hint);
         let found = others.iter().find(|other| Some(&other.id) == chosen);
         let missing = if chosen.is_some() {
             "a layer that is gone"
         } else {
-            "None"
+            words.none
         };
-        let combo = ComboBox::from_id_salt("in areas of")
+        let combo = ComboBox::from_id_salt(words.title)
             .selected_text(shown_name(found.map(|other| other.name.as_str()), missing))
             .width(ui.available_width() - 8.0);
         let combo = combo.show_ui(ui, |ui| {
-            let mut new = mask.vector.clone();
-            ui.selectable_value(&mut new, None, "None");
+            let mut new = chosen.cloned();
+            ui.selectable_value(&mut new, None, words.none);
             for other in &others {
                 ui.selectable_value(&mut new, Some(other.id.clone()), &other.name);
             }
-            if new != mask.vector {
-                actions.push(Action::Edit(set(&layer.id, mask, |m| m.vector = new)));
+            if new.as_ref() != chosen {
+                actions.push(Action::Edit(edit(new)));
             }
         });
-        combo.response.labelled_by(label.id).on_hover_text(hint);
+        combo
+            .response
+            .labelled_by(label.id)
+            .on_hover_text(words.hint);
     });
 }
