@@ -80,9 +80,10 @@ pub(crate) struct Compiled {
 }
 
 impl Compiled {
-    pub(crate) fn into_scene(self, revision: u64) -> Scene {
+    /// The scene; names that `last` knows and that are the same are not found out again.
+    pub(crate) fn into_scene(self, revision: u64, last: Option<&Scene>) -> Scene {
         Scene::new(
-            revision,
+            (revision, last),
             Arc::new(self.graph),
             self.roots,
             self.elements,
@@ -199,6 +200,16 @@ impl Compiler<'_> {
         let index = self.builder.add(node, inputs);
         self.layers.insert(index, layer.id.clone());
         index
+    }
+
+    /// A node that is dear to name: that of the last revision if `name`, which says all of it, is the same.
+    /// Tiles of what is the same from revision to revision are named once.
+    fn same<N: ImageNode + 'static>(
+        &mut self,
+        name: String,
+        make: impl FnOnce() -> N,
+    ) -> Arc<dyn ImageNode> {
+        self.nodes.get(&mut self.used, name, || Arc::new(make()))
     }
 
     /// Whether a layer can have any effect; notes why not.

@@ -167,7 +167,7 @@ impl Engine {
             marks: Vec::new(),
             revisions: 0,
             file_news: 0,
-            shown: Arc::new(empty.into_scene(0)),
+            shown: Arc::new(empty.into_scene(0, None)),
             making: None,
             stale: true,
             view: None,
@@ -340,7 +340,7 @@ impl Engine {
             let wish = compile::Wish::default();
             let compiled =
                 compile::compile(project, &self.folder, &self.sources, &self.nodes, &wish);
-            Arc::new(compiled.into_scene(0))
+            Arc::new(compiled.into_scene(0, None))
         };
         let shown = as_shown(&self.project, scenario);
         let whole = scene(&shown);

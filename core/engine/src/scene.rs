@@ -15,8 +15,8 @@ use relievo_tiles::Want;
 
 use crate::ClipKind;
 
-/// Names are forgotten beyond this many; a view needs a few thousand.
-const NAMES_KEPT: usize = 60_000;
+/// Names of a node's tiles are forgotten beyond this many; a view needs a few thousand.
+const NAMES_KEPT: usize = 20_000;
 
 /// A compiled revision. Immutable but for the memory of tile names.
 pub(crate) struct Scene {
@@ -32,8 +32,11 @@ pub(crate) struct Scene {
     details: Vec<Detail>,
     /// Layers that the graph leaves out, and why.
     pub(crate) left_out: Vec<(LayerId, &'static str)>,
-    names: Mutex<HashMap<(NodeIndex, TileKey), ContentId>>,
+    names: Mutex<HashMap<NodeIndex, Names>>,
 }
+
+/// Names of a node's tiles, shared with later revisions for which they are the same.
+type Names = Arc<Mutex<HashMap<TileKey, ContentId>>>;
 
 /// The cut points that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,8 +86,9 @@ pub(crate) struct Elements {
 }
 
 impl Scene {
+    /// `last`: the revision before, whose names hold for what both have.
     pub(crate) fn new(
-        revision: u64,
+        (revision, last): (u64, Option<&Self>),
         graph: Arc<Graph>,
         roots: Roots,
         elements: Elements,
@@ -92,6 +96,13 @@ impl Scene {
         details: Vec<Detail>,
         left_out: Vec<(LayerId, &'static str)>,
     ) -> Self {
+        let mut names = HashMap::new();
+        if let Some(last) = last {
+            let shared = graph.shared_with(&last.graph);
+            let known = last.names.lock();
+            let kept = known.iter().filter(|(node, _)| shared.contains(node));
+            names.extend(kept.map(|(node, names)| (*node, Arc::clone(names))));
+        }
         Self {
             revision,
             graph,
@@ -100,7 +111,7 @@ impl Scene {
             layers,
             details,
             left_out,
-            names: Mutex::new(HashMap::new()),
+            names: Mutex::new(names),
         }
     }
 
@@ -182,21 +193,26 @@ impl Scene {
 
     /// Name of a tile of a root.
     pub(crate) fn name(&self, node: NodeIndex, key: TileKey) -> ContentId {
-        if let Some(id) = self.names.lock().get(&(node, key)) {
+        let names = Arc::clone(self.names.lock().entry(node).or_default());
+        if let Some(id) = names.lock().get(&key) {
             return *id;
         }
         let id = self.graph.content_id(node, key);
-        let mut names = self.names.lock();
+        let mut names = names.lock();
         if names.len() >= NAMES_KEPT {
             names.clear();
         }
-        names.insert((node, key), id);
+        names.insert(key, id);
         id
     }
 
     /// Number of names that are remembered.
     pub(crate) fn names(&self) -> usize {
-        self.names.lock().len()
+        self.names
+            .lock()
+            .values()
+            .map(|names| names.lock().len())
+            .sum()
     }
 
     /// What to ask the scheduler for.

@@ -10,7 +10,7 @@ mod resolve;
 mod round;
 mod run;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use parking_lot::Mutex;
@@ -149,6 +149,22 @@ impl Graph {
     /// The node itself.
     pub fn node(&self, node: NodeIndex) -> &dyn ImageNode {
         &*self.entry(node).node
+    }
+
+    /// Nodes that another graph has too: the very same node under the same number, stored the same way and
+    /// reading the same. What they give has the same names.
+    pub fn shared_with(&self, other: &Self) -> HashSet<NodeIndex> {
+        let mut shared = HashSet::new();
+        for (i, (own, others)) in self.entries.iter().zip(&other.entries).enumerate() {
+            let is_same = Arc::ptr_eq(&own.node, &others.node)
+                && own.cut == others.cut
+                && own.inputs == others.inputs
+                && own.inputs.iter().all(|input| shared.contains(input));
+            if is_same {
+                shared.insert(NodeIndex(i as u32));
+            }
+        }
+        shared
     }
 
     /// What is known of a node's samples on a grid.

@@ -116,7 +116,7 @@ impl Engine {
                 &nodes,
                 &Wish::default(),
             );
-            Arc::new(compiled.into_scene(0))
+            Arc::new(compiled.into_scene(0, None))
         };
         let [from, to] = [a, b].map(|version| {
             let mut elements = version.elements(project);

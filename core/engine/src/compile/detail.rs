@@ -64,7 +64,9 @@ impl Compiler<'_> {
         let (Some(shortest_m), below_m) = (node.shortest_m(), node.synthesised_below_m()) else {
             return source;
         };
-        let index = self.add(layer, Arc::new(node), &[source]);
+        let name = format!("{node:?}");
+        let node = self.same(name, || node);
+        let index = self.add(layer, node, &[source]);
         self.builder.cut(index, SampleType::Height);
         let finest = level_of_step(shortest_m / (4.0 * self.planet.radius_m));
         self.details.push(Detail {

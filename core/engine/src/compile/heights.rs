@@ -14,7 +14,8 @@ use crate::scene::{Detail, Elements};
 impl Compiler<'_> {
     pub(super) fn heights(&mut self, project: &Project) -> NodeIndex {
         // Where no source has a height the ground is at the datum, so that there is no hole in it.
-        let mut below = self.builder.add(Arc::new(Constant::height(0.0)), &[]);
+        let datum = self.same("datum".into(), || Constant::height(0.0));
+        let mut below = self.builder.add(datum, &[]);
         for (layer, detail) in self.height_layers(project) {
             if let Some(over) = self.height_layer(layer, detail, below) {
                 below = over;
@@ -81,11 +82,8 @@ impl Compiler<'_> {
                 let top = self.continued(detail, top, step_rad * self.planet.radius_m);
                 let inputs = self.with_fade(layer, &file, &height.source, below, top)?;
                 let masked = inputs.len() == 3;
-                Some(self.add(
-                    layer,
-                    Arc::new(OverlayHeights::new(opacity, masked)),
-                    &inputs,
-                ))
+                let over = self.over_heights(opacity, masked);
+                Some(self.add(layer, over, &inputs))
             }
             LayerKind::Noise(noise) => {
                 let params = &noise.noise;
@@ -95,19 +93,19 @@ impl Compiler<'_> {
                 } else {
                     1.0
                 };
-                let node = Noise::new(
-                    self.planet,
-                    &NoiseParams {
-                        seed: u64::from(params.seed),
-                        amplitude_m: params.amplitude_m * share,
-                        wavelength_m: params.wavelength_m,
-                        octaves: params.octaves,
-                        lacunarity: params.lacunarity,
-                        gain: params.gain,
-                        ridged: params.ridged,
-                    },
-                );
-                let mut top = self.add(layer, Arc::new(node), &[]);
+                let planet = self.planet;
+                let noise = NoiseParams {
+                    seed: u64::from(params.seed),
+                    amplitude_m: params.amplitude_m * share,
+                    wavelength_m: params.wavelength_m,
+                    octaves: params.octaves,
+                    lacunarity: params.lacunarity,
+                    gain: params.gain,
+                    ridged: params.ridged,
+                };
+                let name = format!("{noise:?} {planet:?}");
+                let node = self.same(name, || Noise::new(planet, &noise));
+                let mut top = self.add(layer, node, &[]);
                 self.builder.cut(top, SampleType::Height);
                 let shortest_m = params.wavelength_m
                     / params
@@ -117,18 +115,18 @@ impl Compiler<'_> {
                 self.details
                     .push(Detail::everywhere(top, level_of_step(step_rad)));
                 if params.offset_m != 0.0 {
-                    let offset = Constant::height((params.offset_m * share) as f32);
-                    let offset = self.add(layer, Arc::new(offset), &[]);
-                    top = self.add(layer, Arc::new(AddHeights), &[top, offset]);
+                    let offset_m = (params.offset_m * share) as f32;
+                    let offset =
+                        self.same(format!("offset {offset_m}"), || Constant::height(offset_m));
+                    let offset = self.add(layer, offset, &[]);
+                    let sum = self.same("add heights".into(), || AddHeights);
+                    top = self.add(layer, sum, &[top, offset]);
                 }
-                Some(match params.mode {
-                    NoiseMode::Replace => self.add(
-                        layer,
-                        Arc::new(OverlayHeights::new(opacity, false)),
-                        &[below, top],
-                    ),
-                    NoiseMode::Add => self.add(layer, Arc::new(AddHeights), &[below, top]),
-                })
+                let over = match params.mode {
+                    NoiseMode::Replace => self.over_heights(opacity, false),
+                    NoiseMode::Add => self.same("add heights".into(), || AddHeights),
+                };
+                Some(self.add(layer, over, &[below, top]))
             }
             LayerKind::Detail(_)
             | LayerKind::Imagery(_)
@@ -140,14 +138,19 @@ impl Compiler<'_> {
         }
     }
 
+    fn over_heights(&mut self, opacity: f32, masked: bool) -> Arc<dyn ImageNode> {
+        let name = format!("over heights {opacity} {masked}");
+        self.same(name, || OverlayHeights::new(opacity, masked))
+    }
+
     /// Normals of the ground as it is; front-ends steepen them with the heights they draw.
     pub(super) fn normals(&mut self, height: NodeIndex) -> Option<NodeIndex> {
         if self.details.is_empty() {
             return None;
         }
-        let node = self
-            .builder
-            .add(Arc::new(Normals::new(self.planet, 1.0)), &[height]);
+        let planet = self.planet;
+        let normals = self.same(format!("normals {planet:?}"), || Normals::new(planet, 1.0));
+        let node = self.builder.add(normals, &[height]);
         self.builder.cut(node, SampleType::Normal);
         Some(node)
     }

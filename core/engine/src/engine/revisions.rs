@@ -47,7 +47,9 @@ impl Engine {
             &wish,
         );
         self.messages.replace_sources(&compiled.problems);
-        self.making = Some(Arc::new(compiled.into_scene(self.revisions)));
+        self.making = Some(Arc::new(
+            compiled.into_scene(self.revisions, Some(&self.shown)),
+        ));
         self.dirty = true;
     }
 
