@@ -363,6 +363,11 @@ fn along_the_edge_of_its_data_a_picture_bends_to_what_lies_below_and_nowhere_els
         let (before, after) = (step(&plain, edge), step(&bent, edge));
         assert!(before > 0.1 && after < 0.35 * before, "{before} {after}");
     }
+    // Over nothing there is no seam to blend.
+    let alone = engine(vec![layer("coarse", &small, |i| i.seam_blend_m = 100.0)]).questions();
+    let place = alone.place(MapPoint::from_degrees(PLACE.0, PLACE.1), &Cancel::default());
+    let makers = place.unwrap().colour_made_by;
+    assert!(makers.iter().all(|m| m.node != "seam blend"), "{makers:?}");
     // 100 m are 84 rows.
     let middle = &inside[inside.len() / 2 - 10..inside.len() / 2 + 10];
     for y in middle {

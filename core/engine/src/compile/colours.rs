@@ -42,8 +42,7 @@ impl Compiler<'_> {
                 // slider never evaluates it again. Exact, so no byte of the result changes.
                 self.pin(below);
             }
-            let base = self.or_clear(below);
-            if let Some(over) = self.colour_layer(layer, project, base, ground) {
+            if let Some(over) = self.colour_layer(layer, project, below, ground) {
                 below = Some(over);
             }
         }
@@ -108,12 +107,13 @@ impl Compiler<'_> {
         &mut self,
         layer: &Layer,
         project: &Project,
-        base: NodeIndex,
+        below: Option<NodeIndex>,
         ground: Ground,
     ) -> Option<NodeIndex> {
+        let base = self.or_clear(below);
         let (top, blend) = self.top(layer, project, ground)?;
         let mask = self.mask(layer, project, ground);
-        let top = self.with_seams_blended(layer, base, top, mask);
+        let top = self.with_seams_blended(layer, below, top, mask);
         let mut inputs = match &layer.kind {
             LayerKind::Imagery(imagery) => {
                 let file = self.open(layer)?;

@@ -264,18 +264,27 @@ impl Compiler<'_> {
     pub(super) fn with_seams_blended(
         &mut self,
         layer: &Layer,
-        base: NodeIndex,
+        below: Option<NodeIndex>,
         top: NodeIndex,
         mask: Option<NodeIndex>,
     ) -> NodeIndex {
-        let LayerKind::Imagery(imagery) = &layer.kind else {
+        let reach_m = match &layer.kind {
+            LayerKind::Imagery(imagery) => imagery.seam_blend_m,
+            LayerKind::Height(_)
+            | LayerKind::Noise(_)
+            | LayerKind::Detail(_)
+            | LayerKind::Tint(_)
+            | LayerKind::Slope(_)
+            | LayerKind::Contours(_)
+            | LayerKind::Vector(_)
+            | LayerKind::Unknown { .. } => 0.0,
+        };
+        // Over nothing there is no seam.
+        let Some(below) = below.filter(|_| reach_m > 0.0) else {
             return top;
         };
-        if imagery.seam_blend_m <= 0.0 {
-            return top;
-        }
-        let node = SeamBlend::new(self.planet, imagery.seam_blend_m, mask.is_some());
-        let mut inputs = vec![base, top];
+        let node = SeamBlend::new(self.planet, reach_m, mask.is_some());
+        let mut inputs = vec![below, top];
         inputs.extend(mask);
         self.add(layer, Arc::new(node), &inputs)
     }
