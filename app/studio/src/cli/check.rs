@@ -2,6 +2,7 @@
 
 mod elsewhere;
 mod planning;
+mod references;
 
 use std::path::PathBuf;
 
@@ -125,6 +126,7 @@ fn problems(engine: &Engine, elsewhere: &Elsewhere) -> Vec<Problem> {
     for (index, layer) in project.layers.iter().enumerate() {
         of_layer(engine, elsewhere, index, layer, &mut found);
     }
+    references::problems(project, &mut found);
     heights_for_tints(project, &mut found);
     found
 }
@@ -152,7 +154,7 @@ fn of_layer(
             Severity::Warning,
             format!("{place}/kind"),
             format!(
-                "expected imagery, height, noise, tint or vector, found {}: the layer has no effect",
+                "expected imagery, height, noise, detail, tint, slope, contours or vector, found {}: the layer has no effect",
                 quote(kind)
             ),
             "open the project with a newer Relievo, or remove the layer",

@@ -235,14 +235,17 @@ fn check_tells_every_problem_with_its_place() {
         folder.path(),
         "p.relievo",
         r##"{"version": 1, "colour": "blue", "layers": [
-            {"id": "a", "name": "A", "kind": "imagery", "path": "missing.tif"},
+            {"id": "a", "name": "A", "kind": "imagery", "path": "missing.tif", "mask": {"vector": "b"},
+             "detail": [{"by": "noise", "areas": "zones"}, {"by": "examples", "layers": ["d", "a", "gone"], "sise": 3}]},
             {"id": "b", "name": "B", "kind": "hologram"},
-            {"id": "c", "name": "C", "kind": "tint", "opacty": 0.5, "stops": [{"height_m": 0.0, "colour": "#112233"}]}
+            {"id": "c", "name": "C", "kind": "tint", "opacty": 0.5, "stops": [{"height_m": 0.0, "colour": "#112233"}]},
+            {"id": "d", "name": "D", "kind": "imagery", "path": "missing.tif"}
         ]}"##,
     );
     let run = relievo(&["check", &project, "--json"]);
     assert_eq!(run.code, 2);
-    assert!(run.err.contains("found 1"), "{}", run.err);
+    // Two files, one mask, one kind of areas, two examples.
+    assert!(run.err.contains("found 6"), "{}", run.err);
     let problems = run.json();
     let places: Vec<&str> = problems
         .as_array()
@@ -256,6 +259,11 @@ fn check_tells_every_problem_with_its_place() {
         "/layers/1/kind",
         "/layers/2/opacty",
         "/layers/2",
+        "/layers/0/mask/vector",
+        "/layers/0/detail/0/areas",
+        "/layers/0/detail/1/layers/1",
+        "/layers/0/detail/1/layers/2",
+        "/layers/0/detail/1/sise",
     ] {
         assert!(places.contains(&place), "{place} in {places:?}");
     }
