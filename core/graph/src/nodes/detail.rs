@@ -162,6 +162,11 @@ impl Detail {
         (!self.octaves.is_empty()).then_some(2.0 * self.params.spacing_m)
     }
 
+    /// All that decides what is made, but for the planet.
+    pub fn params(&self) -> &DetailParams {
+        &self.params
+    }
+
     /// The shortest wavelength that is made, metres; `None` if none is.
     pub fn shortest_m(&self) -> Option<f64> {
         self.octaves.last().map(|o| o.octave.wavelength_m)

@@ -56,9 +56,9 @@ impl EdgeFade {
         }
     }
 
-    /// 1 within the file's outline, holes or not, 0 outside.
-    pub fn outline(warp: Arc<Warp>) -> Self {
-        let mut fade = Self::new(warp, 0.0);
+    /// The same by the distance to the file's outline alone, as if it had no holes.
+    pub fn outline(warp: Arc<Warp>, width_m: f64) -> Self {
+        let mut fade = Self::new(warp, width_m);
         let mut id = IdHasher::default();
         id.bytes(b"outline").id(fade.name);
         fade.name = id.finish();
@@ -104,7 +104,9 @@ impl ImageNode for EdgeFade {
         // to be prepared already.
         match self.warp.coverage(grid) {
             Coverage::Outside => Known::Uniform([0.0; 4]),
-            Coverage::Inside if !self.has_holes => Known::Uniform([1.0, 0.0, 0.0, 0.0]),
+            Coverage::Inside if !self.has_holes && self.width_m == 0.0 => {
+                Known::Uniform([1.0, 0.0, 0.0, 0.0])
+            }
             Coverage::Inside | Coverage::Partial => Known::Nothing,
         }
     }
