@@ -29,7 +29,7 @@ fields! {
         /// Ids of imagery layers, hidden or not, that are examples; required for those, and only there.
         #[schemars(length(min = 1, max = range::MOST_EXAMPLES))]
         layers: Option<Vec<String>>,
-        /// How far an example's mean colour may be from the imagery's; 0.15 where left out.
+        /// How far an example's mean colour may be from the imagery's; 0.15 where left out. Only for examples.
         tolerance: Option<f64> = range::TOLERANCE,
         /// Id of a vector layer, hidden or not, in whose areas detail is; everywhere where left out.
         areas: Option<String>,

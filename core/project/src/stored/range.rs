@@ -76,11 +76,11 @@ pub(crate) const COLOUR_WINDOWS: [u32; 5] = [256, 512, 1024, 2048, 4096];
 pub(crate) const MOST_LAYERS: usize = 10_000;
 /// Most points of a tone curve.
 pub(crate) const MOST_CURVE_POINTS: usize = 256;
-/// Most stops of a table of colours.
-/// Kinds of detail of a layer.
+/// Most kinds of detail of a layer.
 pub(crate) const MOST_DETAILS: usize = 16;
-/// Layers that are examples of one kind of detail.
+/// Most layers that are examples of one kind of detail.
 pub(crate) const MOST_EXAMPLES: usize = 16;
+/// Most stops of a table of colours.
 pub(crate) const MOST_STOPS: usize = 1000;
 /// Longest path and coordinate system in bytes.
 pub(crate) const LONGEST_PATH: usize = 4096;

@@ -19,6 +19,10 @@ impl Twin for ColourDetail {
                     let at = At::Member(at, "layers");
                     return Err(at.fault("no layers for noise", "some".to_owned()));
                 }
+                if fields.tolerance.is_some() {
+                    let at = At::Member(at, "tolerance");
+                    return Err(at.fault("no tolerance for noise", "one".to_owned()));
+                }
                 DetailBy::Noise
             }
             stored::ByName::Examples => DetailBy::Examples {
