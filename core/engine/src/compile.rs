@@ -49,6 +49,14 @@ pub(crate) struct NodeCache {
 }
 
 impl NodeCache {
+    /// Keeps what a shown revision uses, and nothing else. Questions keep nothing: they would push out what
+    /// the next revision has in common with the shown one.
+    pub(crate) fn keep(&self, compiled: &mut Compiled) {
+        let nodes = std::mem::take(&mut compiled.used);
+        *self.nodes.lock() = nodes.into_iter().collect();
+        *self.warps.lock() = std::mem::take(&mut compiled.warps);
+    }
+
     /// Number of nodes and geometries that are kept.
     pub(crate) fn len(&self) -> usize {
         self.nodes.lock().len() + self.warps.lock().len() + self.elements.len() + self.painted.len()
@@ -74,6 +82,9 @@ pub(crate) struct Compiled {
     elements: Elements,
     layers: HashMap<NodeIndex, LayerId>,
     details: Vec<Detail>,
+    /// What [`NodeCache`] may keep of it.
+    used: BTreeMap<String, Arc<dyn ImageNode>>,
+    warps: HashMap<String, Arc<Warp>>,
     pub(crate) problems: Vec<Message>,
     /// What the compiled graph leaves out, and why, for statistics.
     pub(crate) left_out: Vec<(LayerId, &'static str)>,
@@ -101,7 +112,7 @@ pub(crate) struct Wish<'a> {
     pub(crate) pinned: Option<&'a LayerId>,
     /// Colours over all others that say how the ground differs from that of another project.
     pub(crate) difference: Option<(&'a Project, HeightDifference)>,
-    /// Colours over all others where heights are synthesised.
+    /// Colours over all others where heights or colours are synthesised.
     pub(crate) synthesised: bool,
     /// What lies over all colours, the first at the bottom.
     pub(crate) marks: &'a [Mark],
@@ -155,9 +166,9 @@ pub(crate) fn compile(
     if let Some(root) = colour {
         compiler.builder.cut(root, SampleType::Rgba8);
     }
-    *nodes.nodes.lock() = compiler.used.into_iter().collect();
-    *nodes.warps.lock() = compiler.warps;
     Compiled {
+        used: compiler.used,
+        warps: compiler.warps,
         graph: compiler.builder.build(),
         roots: Roots {
             ground,
@@ -345,11 +356,17 @@ impl Compiler<'_> {
         }
         let width_m = source.edge_fade_m;
         let warp = self.warp(layer, file, source)?;
-        let name = format!("fade {} {width_m} {:?}", address(file), self.planet);
-        let node = self.nodes.get(&mut self.used, name, || {
-            Arc::new(EdgeFade::new(warp, width_m))
-        });
-        let mask = self.add(layer, node, &[]);
+        // Holes that are filled are no edges.
+        let filled = matches!(&layer.kind, LayerKind::Imagery(i) if i.missing.is_some());
+        let mask = if filled {
+            self.outline(layer, file, warp, width_m)
+        } else {
+            let name = format!("fade {} {width_m} {:?}", address(file), self.planet);
+            let node = self.nodes.get(&mut self.used, name, || {
+                Arc::new(EdgeFade::new(warp, width_m))
+            });
+            self.add(layer, node, &[])
+        };
         // Places are dear, and no slider changes them.
         self.builder.cut(mask, SampleType::Mask32F);
         Some(vec![base, top, mask])

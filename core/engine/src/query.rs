@@ -98,14 +98,15 @@ pub struct Questions {
 }
 
 impl Questions {
-    /// Height, colour and slope at a place, evaluated there at the spacing of the finest data.
+    /// Height, colour and slope at a place, evaluated there at the spacing of the finest data; the colour, where
+    /// anything is synthesised, as it is drawn.
     ///
     /// # Errors
     /// When a source cannot be read, or work was cancelled.
     pub fn place(&self, point: MapPoint, cancel: &Cancel) -> Result<PlaceAnswer, RenderError> {
         let scene = &self.scene;
         let point = point.normalised();
-        let step_rad = LevelKey::new(0, scene.finest()).step_rad().y;
+        let step_rad = LevelKey::new(0, scene.finest_of_ground()).step_rad().y;
         let grid = one_sample(point, step_rad);
         let ask = |node: NodeIndex| -> Result<Block, RenderError> {
             scene.graph.evaluate(node, &grid, cancel)
@@ -113,7 +114,7 @@ impl Questions {
         let height_m = f64::from(ask(scene.roots.height)?.samples()[0]);
         let detail = self.detail(height_m, &grid, cancel)?;
         let shown_grid = if scene.is_synthesised() {
-            level_sample(point, scene.finest())
+            level_sample(point, scene.finest_near(point, WINDOW))
         } else {
             grid.clone()
         };
@@ -290,7 +291,8 @@ fn colour_of(scene: &Scene, grid: &Grid, cancel: &Cancel) -> Result<Option<[u8; 
     Ok(Some([0, 1, 2, 3].map(|i| to_u8(samples[i]))))
 }
 
-/// The sample of a level around a point: what is synthesised there is what is drawn there.
+/// The sample of a level around a point, as a window of [`WINDOW`] samples draws it: what is synthesised
+/// depends on the level's lattice.
 fn level_sample(point: MapPoint, n: u8) -> Grid {
     let reach_rad = reach_rad(n, WINDOW);
     let level = LevelKey::new(columns_exponent(n, point.colat_rad, reach_rad, WINDOW), n);

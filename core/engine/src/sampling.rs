@@ -12,8 +12,10 @@ use crate::Questions;
 pub enum Stage {
     /// As the file, the noise or the colours by height give them.
     Source,
-    /// As they meet what lies below.
+    /// Adjusted, before holes are filled and seams blended.
     Adjusted,
+    /// As they meet what lies below.
+    Over,
     /// What lies below.
     Below,
 }
@@ -48,7 +50,17 @@ impl Questions {
         let last = own.last().unwrap_or(first);
         match stage {
             Stage::Source => Some(first),
-            Stage::Adjusted => graph.inputs(last).get(1).copied(),
+            Stage::Adjusted => {
+                let mut node = graph.inputs(last).get(1).copied()?;
+                // What fills holes and what blends seams have the layer's colours as their second input.
+                while self.scene.layers.get(&node) == Some(layer)
+                    && ["overlay", "seam blend"].contains(&graph.node(node).kind())
+                {
+                    node = graph.inputs(node).get(1).copied()?;
+                }
+                Some(node)
+            }
+            Stage::Over => graph.inputs(last).get(1).copied(),
             Stage::Below => graph.inputs(last).first().copied(),
         }
     }

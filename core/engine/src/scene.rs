@@ -120,6 +120,16 @@ impl Scene {
         self.details.iter().map(|d| d.finest).max().unwrap_or(0)
     }
 
+    /// Finest level n that heights, or colours by files alone, are worth anywhere: colours that are made up
+    /// make no place finer.
+    pub(crate) fn finest_of_ground(&self) -> u8 {
+        let counts = |d: &&Detail| {
+            d.synthesised_below_m.is_none() || self.graph.node(d.node).output() == Bands::Height
+        };
+        let finest = self.details.iter().filter(counts).map(|d| d.finest);
+        finest.max().unwrap_or(0)
+    }
+
     /// Finest level n that is worth showing in windows of `size` samples around a focus: some source
     /// as fine as the level reaches into its window. A coarser level shows the same, magnified.
     pub(crate) fn finest_near(&self, focus: MapPoint, size: u32) -> u8 {

@@ -104,7 +104,7 @@ fn grid(halvings: u8, side: i64) -> Grid {
 
 fn shown(questions: &Questions, grid: &Grid) -> Block {
     let id = LayerId::from("coarse");
-    let found = questions.layer_samples(&id, Stage::Adjusted, grid, &Cancel::default());
+    let found = questions.layer_samples(&id, Stage::Over, grid, &Cancel::default());
     found.unwrap().expect("colours")
 }
 
@@ -291,7 +291,16 @@ fn holes_take_the_colour_they_are_given_and_what_is_outside_does_not() {
     let folder = tempfile::tempdir().unwrap();
     let holed = thinned(folder.path(), 4.0, 400.0);
     let red = Some([255, 0, 0]);
-    let questions = engine(vec![layer("coarse", &holed, |i| i.missing = red)]).questions();
+    for edge_fade_m in [0.0, 20.0] {
+        let filled = layer("coarse", &holed, |i| {
+            i.missing = red;
+            i.source.edge_fade_m = edge_fade_m;
+        });
+        hole_is_red(&engine(vec![filled]).questions());
+    }
+}
+
+fn hole_is_red(questions: &Questions) {
     let at = |lon: f64, lat: f64| {
         let place = MapPoint::from_degrees(lon, lat);
         let answer = questions.place(place, &Cancel::default()).unwrap();
@@ -329,17 +338,15 @@ fn along_the_edge_of_its_data_a_picture_bends_to_what_lies_below_and_nowhere_els
             layer("coarse", &small, |i| i.seam_blend_m = seam_blend_m),
         ]
     };
-    let (bent, plain) = (
-        engine(layers(100.0)).questions(),
-        engine(layers(0.0)).questions(),
-    );
+    let bent_by = engine(layers(100.0)).questions();
+    let plain = engine(layers(0.0)).questions();
     // 340 m around the middle, which has both long sides in it.
     let level = LevelKey::new(17, 16);
     let at = level.sample_from_map(MapPoint::from_degrees(PLACE.0, PLACE.1));
     let at = at.floor().as_i64vec2();
     let rect = SampleRect::at(at.x - 8, at.y - 144, 16, 288);
     let grid = Grid::new(Arc::new(level.lattice()), rect);
-    let ground = bent
+    let ground = bent_by
         .layer_samples(
             &LayerId::from("coarse"),
             Stage::Below,
@@ -348,7 +355,7 @@ fn along_the_edge_of_its_data_a_picture_bends_to_what_lies_below_and_nowhere_els
         )
         .unwrap()
         .unwrap();
-    let (bent, plain) = (shown(&bent, &grid), shown(&plain, &grid));
+    let (bent, plain) = (shown(&bent_by, &grid), shown(&plain, &grid));
     assert_eq!(bent.plane(3), plain.plane(3), "as opaque as before");
     let inside: Vec<usize> = (0..288)
         .filter(|y| plain.plane(3)[16 * y + 8] > 0.99)
@@ -363,6 +370,10 @@ fn along_the_edge_of_its_data_a_picture_bends_to_what_lies_below_and_nowhere_els
         let (before, after) = (step(&plain, edge), step(&bent, edge));
         assert!(before > 0.1 && after < 0.35 * before, "{before} {after}");
     }
+    // What is matched and compared is the picture's own colours.
+    let id = LayerId::from("coarse");
+    let own = bent_by.layer_samples(&id, Stage::Adjusted, &grid, &Cancel::default());
+    assert_eq!(own.unwrap().unwrap().plane(1), plain.plane(1));
     // Over nothing there is no seam to blend.
     let alone = engine(vec![layer("coarse", &small, |i| i.seam_blend_m = 100.0)]).questions();
     let place = alone.place(MapPoint::from_degrees(PLACE.0, PLACE.1), &Cancel::default());

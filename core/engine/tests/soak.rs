@@ -334,7 +334,8 @@ fn soak(steps: u32, seed: u64) {
         assert!(kept.arrived <= kept.asked, "step {step}: {kept:?}");
         assert!(kept.asked <= 3 * 25 * 9, "step {step}: {kept:?}");
         assert!(kept.names <= 2 * 60_000, "step {step}: {kept:?}");
-        assert!(kept.nodes <= 4, "step {step}: {kept:?}");
+        // The file's node and geometry, what it lies on and how, and the normals.
+        assert!(kept.nodes <= 8, "step {step}: {kept:?}");
         assert_eq!((kept.files, kept.messages), (1, 0), "step {step}");
     }
     let last = view(&mut random);

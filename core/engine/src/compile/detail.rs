@@ -64,7 +64,7 @@ impl Compiler<'_> {
         let (Some(shortest_m), below_m) = (node.shortest_m(), node.synthesised_below_m()) else {
             return source;
         };
-        let name = format!("{node:?}");
+        let name = format!("{:?} {:?}", node.params(), self.planet);
         let node = self.same(name, || node);
         let index = self.add(layer, node, &[source]);
         self.builder.cut(index, SampleType::Height);

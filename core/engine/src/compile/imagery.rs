@@ -8,8 +8,10 @@ use relievo_graph::nodes::{
     ExampleAt, Overlay, OverlayHeights, SeamBlend,
 };
 use relievo_project::{
-    ColourDetail as ProjectDetail, DetailBy, ImageryLayer, Layer, LayerId, LayerKind, Project,
+    Blend, ColourDetail as ProjectDetail, DetailBy, ImageryLayer, Layer, LayerId, LayerKind,
+    Project,
 };
+use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
 
 use super::{Compiler, Ground, address, level_of_step};
@@ -121,10 +123,20 @@ impl Compiler<'_> {
             let Some(file) = self.open(layer) else {
                 continue;
             };
-            let finest_rad = self.warp(layer, &file, &imagery.source)?.finest_step_rad();
-            let source = self.file_colours(layer, imagery, &file)?;
+            let Some(warp) = self.warp(layer, &file, &imagery.source) else {
+                continue;
+            };
+            let Some(source) = self.file_colours(layer, imagery, &file) else {
+                continue;
+            };
+            let finest_rad = warp.finest_step_rad();
             // What is not continued covers what is.
-            let mut own = self.builder.add(Arc::new(Constant::height(0.0)), &[]);
+            let mut own = if imagery.blend == Blend::Normal {
+                self.builder.add(Arc::new(Constant::height(0.0)), &[])
+            } else {
+                // Seen through.
+                amount
+            };
             for detail in &imagery.detail {
                 let made = self.continuing(layer, detail, project, finest_rad);
                 let made = made.filter(|made| made.node.synthesised_below_m().is_some());
@@ -136,7 +148,9 @@ impl Compiler<'_> {
                 own = self.builder.add(Arc::new(over), &inputs);
             }
             let alpha = self.builder.add(Arc::new(AlphaMask), &[source]);
-            let mut inputs = vec![amount, own, alpha];
+            let inputs = self.with_fade(layer, &file, &imagery.source, amount, own);
+            let Some(mut inputs) = inputs else { continue };
+            self.also_masked(layer, &mut inputs, alpha);
             if let Some(weights) = self.mask(layer, project, ground) {
                 self.also_masked(layer, &mut inputs, weights);
             }
@@ -247,17 +261,28 @@ impl Compiler<'_> {
         let [r, g, b] = missing.map(|v| f32::from(v) / 255.0);
         let none = self.add(layer, Arc::new(Constant::colour([0.0; 4])), &[]);
         let colour = self.add(layer, Arc::new(Constant::colour([r, g, b, 1.0])), &[]);
-        let name = format!("outline {} {:?}", address(file), self.planet);
-        let node = self
-            .nodes
-            .get(&mut self.used, name, || Arc::new(EdgeFade::outline(warp)));
-        let outline = self.add(layer, node, &[]);
+        let outline = self.outline(layer, file, warp, 0.0);
         // Places are dear, and no slider changes them.
         self.builder.cut(outline, SampleType::Mask);
         let fill = Overlay::new(BlendMode::Normal, 1.0, true);
         let filled = self.add(layer, Arc::new(fill), &[none, colour, outline]);
         let over = Overlay::new(BlendMode::Normal, 1.0, false);
         Some(self.add(layer, Arc::new(over), &[filled, top]))
+    }
+
+    /// Weights by the distance to a file's outline, holes or not; 1 inside for a width of 0.
+    pub(super) fn outline(
+        &mut self,
+        layer: &Layer,
+        file: &Arc<dyn RasterFile>,
+        warp: Arc<Warp>,
+        width_m: f64,
+    ) -> NodeIndex {
+        let name = format!("outline {} {width_m} {:?}", address(file), self.planet);
+        let node = self.nodes.get(&mut self.used, name, || {
+            Arc::new(EdgeFade::outline(warp, width_m))
+        });
+        self.add(layer, node, &[])
     }
 
     /// A layer's colours, bent to those below along the edge of its data.

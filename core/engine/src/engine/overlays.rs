@@ -29,8 +29,8 @@ impl Engine {
         }
     }
 
-    /// Colours the ground where detail beyond the data's own resolution is seen, the stronger the higher it
-    /// is. No part of the project.
+    /// Colours the ground where detail beyond the data's own resolution is seen, of heights the stronger the
+    /// higher it is. No part of the project.
     pub fn show_synthesised(&mut self, shows: bool) {
         let wanted = if shows {
             Synthesised::Coloured

@@ -39,13 +39,14 @@ impl Engine {
             synthesised: self.synthesised == Synthesised::Coloured,
             marks: &self.marks,
         };
-        let compiled = compile::compile(
+        let mut compiled = compile::compile(
             &as_shown(&self.project, self.project.scenario.as_ref()),
             &self.folder,
             &self.sources,
             &self.nodes,
             &wish,
         );
+        self.nodes.keep(&mut compiled);
         self.messages.replace_sources(&compiled.problems);
         self.making = Some(Arc::new(
             compiled.into_scene(self.revisions, Some(&self.shown)),
