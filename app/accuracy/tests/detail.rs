@@ -18,7 +18,10 @@ fn thinned_ground_that_is_continued_is_nearly_as_rough_as_it_was() {
         .iter()
         .map(|curve| {
             let known = curve.points.iter().filter(|p| (70.0..700.0).contains(&p.x));
-            known.map(|p| p.y.abs()).fold(0.0, f64::max)
+            let off: Vec<f64> = known.map(|p| p.y.abs()).collect();
+            assert_eq!(off.len(), 4);
+            assert!(off.iter().all(|y| y.is_finite()), "{off:?}");
+            off.into_iter().fold(0.0, f64::max)
         })
         .collect();
     assert!(off[0] > 10.0, "{off:?}");

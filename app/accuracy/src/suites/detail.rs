@@ -79,6 +79,13 @@ fn run(context: &Context) -> Result<Report, SuiteError> {
         &samples(&original, &truth.layer.id, &grid, &context.cancel)?,
         (level, &figure, truth.place, side),
     );
+    if !whole.iter().any(|lag| lag.db > 0.0) {
+        let found = truth.layer.id.0.as_str();
+        let expected = "expected heights that are not level about the middle of the finest layer";
+        return Err(SuiteError::Input(format!(
+            "{expected}, found none in {found:?}"
+        )));
+    }
     let mut off_db = Vec::new();
     for way in &ways {
         context.go_on()?;
