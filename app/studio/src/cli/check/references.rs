@@ -53,7 +53,7 @@ fn of_detail(
             found.push(wrong(
                 layer,
                 format!("{at}/layers/{k}"),
-                format!("another imagery layer {:?} as an example", id.0),
+                &format!("another imagery layer {:?} as an example", id.0),
                 &found_as(project, layer, id),
             ));
         }
@@ -70,7 +70,7 @@ fn areas(project: &Project, layer: &Layer, id: &LayerId, at: &str) -> Option<Pro
     Some(wrong(
         layer,
         at.to_owned(),
-        expected,
+        &expected,
         &found_as(project, layer, id),
     ))
 }
@@ -83,7 +83,7 @@ fn found_as(project: &Project, layer: &Layer, id: &LayerId) -> String {
     }
 }
 
-fn wrong(layer: &Layer, place: String, expected: String, found: &str) -> Problem {
+fn wrong(layer: &Layer, place: String, expected: &str, found: &str) -> Problem {
     Problem {
         severity: Severity::Error,
         place,

@@ -27,6 +27,9 @@ const SEED: Number = Number::new(
 )
 .whole();
 
+/// Most kinds of detail of a layer, and most examples of one.
+const MOST: usize = 16;
+
 const AREAS: Words = Words {
     title: "In areas of",
     hint: "Add detail only inside the areas of a vector layer, which may be hidden: land cover, say",
@@ -127,27 +130,36 @@ fn examples(
     (this, chosen): ((&[ColourDetail], usize), &[LayerId]),
     actions: &mut Vec<Action>,
 ) {
+    let others = others(project, layer);
+    // Ids of layers that are gone, or are no imagery.
     let gone: Vec<&LayerId> = chosen
         .iter()
-        .filter(|id| project.layer(id).is_none())
+        .filter(|id| others.iter().all(|other| other.id != **id))
         .collect();
-    let others = others(project, layer);
     let rows = others
         .iter()
         .map(|other| (&other.id, other.name.clone()))
-        .chain(gone.iter().map(|id| (*id, format!("{} (gone)", id.0))));
+        .chain(
+            gone.iter()
+                .map(|id| (*id, format!("{} (no imagery)", id.0))),
+        );
     for (id, name) in rows {
         let was = chosen.contains(id);
         let mut is = was;
         let hint =
             "Use the middle of this layer's file as an example of fine ground; it may be hidden";
-        let only = was && chosen.len() == 1;
-        let tick = ui
-            .add_enabled_ui(!only, |ui| ui.checkbox(&mut is, name))
-            .inner;
-        let tick = tick
+        let only = was && chosen.iter().all(|other| other == id);
+        let full = !was && chosen.len() >= MOST;
+        let row = ui.add_enabled_ui(!only && !full, |ui| ui.checkbox(&mut is, name));
+        let why_not = if full {
+            "There are 16 examples already"
+        } else {
+            "At least one layer is an example; remove the detail instead"
+        };
+        let tick = row
+            .inner
             .on_hover_text(hint)
-            .on_disabled_hover_text("At least one layer is an example; remove the detail instead");
+            .on_disabled_hover_text(why_not);
         if tick.changed() {
             actions.push(Action::Edit(changed(layer, this, |d| {
                 if let DetailBy::Examples { layers, .. } = &mut d.by {
@@ -176,6 +188,10 @@ fn add(
     all: &[ColourDetail],
     actions: &mut Vec<Action>,
 ) {
+    if all.len() >= MOST {
+        ui.weak("There are 16 kinds of detail, which is as many as can be.");
+        return;
+    }
     let mut push = |by| {
         let mut all = all.to_vec();
         all.push(ColourDetail::new(by));
