@@ -19,6 +19,9 @@ pub struct ColourDetail {
 }
 
 impl ColourDetail {
+    /// Most kinds of detail of a layer.
+    pub const MOST: usize = 16;
+
     /// Everywhere, as strong as its model.
     pub fn new(by: DetailBy) -> Self {
         Self {
@@ -47,6 +50,8 @@ pub enum DetailBy {
 }
 
 impl DetailBy {
+    /// Most layers that are examples of one kind of detail.
+    pub const MOST_EXAMPLES: usize = 16;
     /// Usual distance of colours up to which a piece is used as it is.
     pub const TOLERANCE: f64 = 0.15;
 }

@@ -27,6 +27,7 @@ mod layer;
 mod lock;
 mod mask;
 mod paths;
+mod reference;
 mod relief;
 mod scenario;
 mod series;
@@ -67,6 +68,7 @@ pub use layer::{
 pub use lock::{Holder, LockError, ProjectLock};
 pub use mask::{Mask, MaskCircle, MaskRange};
 pub use paths::{resolve_path, store_path};
+pub use reference::WrongReference;
 pub use relief::{
     ContoursLayer, SlopeLayer, SlopeStop, SlopeUnit, Tint, TintInterpolation, TintLayer, TintStop,
 };

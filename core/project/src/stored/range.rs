@@ -77,9 +77,9 @@ pub(crate) const MOST_LAYERS: usize = 10_000;
 /// Most points of a tone curve.
 pub(crate) const MOST_CURVE_POINTS: usize = 256;
 /// Most kinds of detail of a layer.
-pub(crate) const MOST_DETAILS: usize = 16;
+pub(crate) const MOST_DETAILS: usize = crate::ColourDetail::MOST;
 /// Most layers that are examples of one kind of detail.
-pub(crate) const MOST_EXAMPLES: usize = 16;
+pub(crate) const MOST_EXAMPLES: usize = crate::DetailBy::MOST_EXAMPLES;
 /// Most stops of a table of colours.
 pub(crate) const MOST_STOPS: usize = 1000;
 /// Longest path and coordinate system in bytes.
