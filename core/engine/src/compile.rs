@@ -32,7 +32,7 @@ use crate::element_colours::PaintedCache;
 use crate::elements::ElementCache;
 use crate::marks::Mark;
 use crate::message::{Message, Severity};
-use crate::scene::{Detail, Elements, Roots, Scene};
+use crate::scene::{Detail, Elements, LayerNodes, Roots, Scene};
 use crate::sources::{SourceState, Sources};
 
 /// Finest level of any source: 4.7 mm on Earth.
@@ -80,7 +80,7 @@ pub(crate) struct Compiled {
     graph: Graph,
     roots: Roots,
     elements: Elements,
-    layers: HashMap<NodeIndex, LayerId>,
+    layers: LayerNodes,
     details: Vec<Detail>,
     /// What [`NodeCache`] may keep of it.
     used: BTreeMap<String, Arc<dyn ImageNode>>,
@@ -135,7 +135,7 @@ pub(crate) fn compile(
         nodes,
         used: BTreeMap::new(),
         warps: HashMap::new(),
-        layers: HashMap::new(),
+        layers: LayerNodes::default(),
         details: Vec::new(),
         problems: Vec::new(),
         left_out: Vec::new(),
@@ -200,7 +200,7 @@ struct Compiler<'a> {
     nodes: &'a NodeCache,
     used: BTreeMap<String, Arc<dyn ImageNode>>,
     warps: HashMap<String, Arc<Warp>>,
-    layers: HashMap<NodeIndex, LayerId>,
+    layers: LayerNodes,
     details: Vec<Detail>,
     problems: Vec<Message>,
     left_out: Vec<(LayerId, &'static str)>,
@@ -209,7 +209,7 @@ struct Compiler<'a> {
 impl Compiler<'_> {
     fn add(&mut self, layer: &Layer, node: Arc<dyn ImageNode>, inputs: &[NodeIndex]) -> NodeIndex {
         let index = self.builder.add(node, inputs);
-        self.layers.insert(index, layer.id.clone());
+        self.layers.of.insert(index, layer.id.clone());
         index
     }
 

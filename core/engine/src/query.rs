@@ -273,7 +273,7 @@ impl Questions {
             .into_iter()
             .map(|n| Maker {
                 node: graph.node(n).kind(),
-                layer: self.scene.layers.get(&n).map(named),
+                layer: self.scene.layers.of.get(&n).map(named),
                 element: None,
                 part: None,
             })

@@ -44,21 +44,15 @@ impl Questions {
         let graph = &self.scene.graph;
         let mut own = graph
             .nodes()
-            .filter(|n| self.scene.layers.get(n) == Some(layer));
+            .filter(|n| self.scene.layers.of.get(n) == Some(layer));
         let first = own.next()?;
         // What continues other layers is one node for each of them.
         let last = own.last().unwrap_or(first);
         match stage {
             Stage::Source => Some(first),
             Stage::Adjusted => {
-                let mut node = graph.inputs(last).get(1).copied()?;
-                // What fills holes and what blends seams have the layer's colours as their second input.
-                while self.scene.layers.get(&node) == Some(layer)
-                    && ["overlay", "seam blend"].contains(&graph.node(node).kind())
-                {
-                    node = graph.inputs(node).get(1).copied()?;
-                }
-                Some(node)
+                let own = self.scene.layers.adjusted.get(layer).copied();
+                own.or_else(|| graph.inputs(last).get(1).copied())
             }
             Stage::Over => graph.inputs(last).get(1).copied(),
             Stage::Below => graph.inputs(last).first().copied(),

@@ -24,8 +24,8 @@ pub(crate) struct Scene {
     pub(crate) revision: u64,
     pub(crate) graph: Arc<Graph>,
     pub(crate) roots: Roots,
-    /// The layer behind each node, where one is.
-    pub(crate) layers: HashMap<NodeIndex, LayerId>,
+    /// Which nodes belong to which layers.
+    pub(crate) layers: LayerNodes,
     /// The planning elements that take part.
     pub(crate) elements: Elements,
     /// How fine each source is.
@@ -49,6 +49,15 @@ pub(crate) struct Roots {
     pub(crate) colour: Option<NodeIndex>,
     /// `None` when no layer gives heights: a smooth ball needs no normals.
     pub(crate) normal: Option<NodeIndex>,
+}
+
+/// Which nodes belong to which layers.
+#[derive(Clone, Default)]
+pub(crate) struct LayerNodes {
+    /// The layer behind each node, where one is.
+    pub(crate) of: HashMap<NodeIndex, LayerId>,
+    /// What gives the adjusted colours of imagery, before its holes are filled and its seams bent.
+    pub(crate) adjusted: HashMap<LayerId, NodeIndex>,
 }
 
 /// How fine one source is.
@@ -92,7 +101,7 @@ impl Scene {
         graph: Arc<Graph>,
         roots: Roots,
         elements: Elements,
-        layers: HashMap<NodeIndex, LayerId>,
+        layers: LayerNodes,
         details: Vec<Detail>,
         left_out: Vec<(LayerId, &'static str)>,
     ) -> Self {

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use relievo_engine::planet::{Camera, Grid, LevelKey, MapPoint, SampleRect};
 use relievo_engine::project::{
-    Adjust, ColourDetail, DetailBy, Edit, ImageryLayer, Layer, LayerId, LayerKind, Project, Source,
-    VectorLayer,
+    Adjust, ColourDetail, DetailBy, Edit, ImageryLayer, Layer, LayerId, LayerKind, Noise,
+    NoiseLayer, Project, Source, VectorLayer,
 };
 use relievo_engine::raster::colour::linear_from_srgb;
 use relievo_engine::raster::{Block, Cancel};
@@ -385,4 +385,32 @@ fn along_the_edge_of_its_data_a_picture_bends_to_what_lies_below_and_nowhere_els
         let row = 16 * y..16 * y + 16;
         assert_eq!(bent.plane(1)[row.clone()], plain.plane(1)[row]);
     }
+}
+
+#[test]
+fn made_up_colours_make_no_place_finer_and_change_no_height() {
+    let folder = tempfile::tempdir().unwrap();
+    let coarse = thinned(folder.path(), COARSE_M, 0.0);
+    let noise = vec![ColourDetail::new(DetailBy::Noise)];
+    let place = MapPoint::from_degrees(PLACE.0, PLACE.1);
+    let ask = |detail| {
+        let mut layers = continued(&coarse, detail);
+        let heights = LayerKind::Noise(NoiseLayer {
+            noise: Noise {
+                wavelength_m: 4000.0,
+                octaves: 3,
+                ..Noise::default()
+            },
+        });
+        layers.insert(0, Layer::new(LayerId::from("hills"), "hills", heights));
+        let questions = engine(layers).questions();
+        questions.place(place, &Cancel::default()).unwrap()
+    };
+    let (plain, detailed) = (ask(vec![]), ask(noise));
+    assert_ne!(plain.colour, detailed.colour);
+    assert_eq!(plain.spacing_m, detailed.spacing_m);
+    assert_eq!(
+        (plain.height_m, plain.slope_deg),
+        (detailed.height_m, detailed.slope_deg)
+    );
 }

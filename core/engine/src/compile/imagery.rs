@@ -63,6 +63,7 @@ impl Compiler<'_> {
             made.unwrap_or(below)
         });
         let top = self.adjusted(layer, &imagery.adjust, detailed);
+        self.layers.adjusted.insert(layer.id.clone(), top);
         self.with_holes_filled(layer, imagery, &file, top)
     }
 
@@ -172,7 +173,7 @@ impl Compiler<'_> {
             return None;
         }
         let areas = match &detail.areas {
-            Some(id) => Some(self.areas(layer, project, id, "detail")?),
+            Some(id) => Some(self.areas(layer, project, id, "for the detail")?),
             None => None,
         };
         let (by, tolerance, examples) = match &detail.by {
@@ -214,20 +215,15 @@ impl Compiler<'_> {
 
     /// The middle of another layer's file, adjusted as that layer is; complains of what is no imagery.
     fn example(&mut self, layer: &Layer, id: &LayerId, project: &Project) -> Option<Example> {
-        let found = project.layer(id).filter(|other| other.id != layer.id);
-        let Some(LayerKind::Imagery(imagery)) = found.map(|other| &other.kind) else {
-            let found = match project.layer(id) {
-                None => "none".to_owned(),
-                Some(other) if other.id == layer.id => "the layer itself".to_owned(),
-                Some(other) => format!("one of kind {}", other.kind.name()),
-            };
-            let expected = format!("expected an imagery layer {:?} as an example", id.0);
-            self.complain(layer, format!("{expected}, found {found}"));
-            return None;
+        let (named, imagery) = match project.named_example(&layer.id, id) {
+            Ok(named) => named,
+            Err(wrong) => {
+                self.complain(layer, wrong.to_string());
+                return None;
+            }
         };
         // That layer says itself when its file cannot be opened.
-        let kind = &found?.kind;
-        let Some(SourceState::Open(file)) = self.sources.state(kind, self.folder) else {
+        let Some(SourceState::Open(file)) = self.sources.state(&named.kind, self.folder) else {
             return None;
         };
         let warp = self.warp(layer, &file, &imagery.source)?;

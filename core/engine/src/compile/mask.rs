@@ -61,7 +61,7 @@ impl Compiler<'_> {
             weights.push(self.add(layer, Arc::new(node), &[]));
         }
         if let Some(id) = &mask.vector {
-            weights.extend(self.areas(layer, project, id, "mask"));
+            weights.extend(self.areas(layer, project, id, "for the mask"));
         }
         match (weights.as_slice(), mask.invert) {
             ([], _) => None,
@@ -80,21 +80,16 @@ impl Compiler<'_> {
         layer: &Layer,
         project: &Project,
         id: &LayerId,
-        purpose: &str,
+        purpose: &'static str,
     ) -> Option<NodeIndex> {
-        let found = project.layer(id).map(|other| &other.kind);
-        let Some(kind @ LayerKind::Vector(_)) = found else {
-            let found = found.map_or("none".to_owned(), |kind| {
-                format!("one of kind {}", kind.name())
-            });
-            let expected = format!(
-                "expected a vector layer {:?} for the {purpose}",
-                id.0.as_str()
-            );
-            self.complain(layer, format!("{expected}, found {found}"));
-            return None;
+        let named = match project.named_areas(id, purpose) {
+            Ok(named) => named,
+            Err(wrong) => {
+                self.complain(layer, wrong.to_string());
+                return None;
+            }
         };
-        let Some(SourceState::Features(open)) = self.sources.state(kind, self.folder) else {
+        let Some(SourceState::Features(open)) = self.sources.state(&named.kind, self.folder) else {
             return None;
         };
         let features = Arc::clone(&open.features);

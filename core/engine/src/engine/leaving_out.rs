@@ -57,7 +57,7 @@ impl Engine {
             .flat_map(|(root, grid)| graph.made_by(*root, grid))
             .collect();
         let mut layers: BTreeMap<&LayerId, Vec<NodeIndex>> = BTreeMap::new();
-        let mut owned: Vec<_> = scene.layers.iter().collect();
+        let mut owned: Vec<_> = scene.layers.of.iter().collect();
         owned.sort_unstable_by_key(|(node, _)| **node);
         for (node, layer) in owned {
             layers.entry(layer).or_default().push(*node);

@@ -94,7 +94,7 @@ impl Engine {
 fn name(scene: &Scene, node: NodeIndex) -> Name {
     (
         scene.graph.node(node).kind(),
-        scene.layers.get(&node).cloned(),
+        scene.layers.of.get(&node).cloned(),
         scene.graph.cut_type(node),
     )
 }
