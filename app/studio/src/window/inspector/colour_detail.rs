@@ -19,16 +19,7 @@ const TOLERANCE: Number = Number::new(
     0.0..=2.0,
     DetailBy::TOLERANCE,
 );
-const SEED: Number = Number::new(
-    "Pattern",
-    "Chooses another pattern",
-    0.0..=4_294_967_295.0,
-    0.0,
-)
-.whole();
-
-/// Most kinds of detail of a layer, and most examples of one.
-const MOST: usize = 16;
+const SEED: Number = Number::new("Seed", "Chooses the pattern", 0.0..=4_294_967_295.0, 0.0).whole();
 
 const AREAS: Words = Words {
     title: "In areas of",
@@ -149,7 +140,7 @@ fn examples(
         let hint =
             "Use the middle of this layer's file as an example of fine ground; it may be hidden";
         let only = was && chosen.iter().all(|other| other == id);
-        let full = !was && chosen.len() >= MOST;
+        let full = !was && chosen.len() >= DetailBy::MOST_EXAMPLES;
         let row = ui.add_enabled_ui(!only && !full, |ui| ui.checkbox(&mut is, name));
         let why_not = if full {
             "There are 16 examples already"
@@ -188,7 +179,7 @@ fn add(
     all: &[ColourDetail],
     actions: &mut Vec<Action>,
 ) {
-    if all.len() >= MOST {
+    if all.len() >= ColourDetail::MOST {
         ui.weak("There are 16 kinds of detail, which is as many as can be.");
         return;
     }
