@@ -4,16 +4,15 @@
 pub mod balance;
 mod ciede2000;
 mod fit;
+mod ground;
 mod lab;
 mod map;
 mod robust;
 
-pub use balance::{Balance, BalanceError, CommonGround, MOST_PICTURES, Overlap, balance};
+pub use balance::{Balance, BalanceError, MOST_PICTURES, Overlap, balance};
 pub use ciede2000::ciede2000;
-pub use fit::{
-    ColourFit, Difference, FEWEST_PAIRS, FIT_BINS, FitHistograms, MatchMethod, TooFewPairs,
-    colour_difference, fit,
-};
+pub use fit::{ColourChange, ColourFit, FIT_BINS, FitHistograms, MatchMethod};
+pub use ground::{CommonGround, Difference, FEWEST_PAIRS, TooFewPairs};
 pub use lab::Lab;
 pub use map::ColourMap;
 

@@ -26,6 +26,7 @@ use relievo_raster::kernel::Kernel;
 use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
 
+pub(crate) use self::adjust::adjustment;
 use self::difference::Shown;
 use crate::difference::HeightDifference;
 use crate::element_colours::PaintedCache;

@@ -2,19 +2,22 @@
 
 mod balance;
 
+use std::convert::identity;
 use std::sync::Arc;
 
 use glam::{DVec2, I64Vec2};
 use relievo_analysis::MapBox;
 use relievo_analysis::colour::{
-    ColourFit, ColourPair, Difference, MatchMethod, colour_difference, fit,
+    ColourChange, ColourFit, ColourPair, CommonGround, Difference, MatchMethod,
 };
 use relievo_graph::NodeIndex;
+use relievo_graph::nodes::Adjust as AdjustNode;
 use relievo_planet::{Grid, GridCrs, Lattice, SampleRect};
 use relievo_project::{Adjust, CurvePoint, Extra, LayerId, ToneCurves};
 use relievo_raster::Bands;
 
 use crate::analysis::{AnalysisError, Task, failed};
+use crate::compile::adjustment;
 use crate::query::Questions;
 use crate::sampling::Stage;
 
@@ -53,7 +56,7 @@ pub enum MatchTarget {
 pub struct ColourMatch {
     /// What to set.
     pub adjust: Adjust,
-    /// How it was found.
+    /// How good that is.
     pub fit: ColourFit,
 }
 
@@ -79,11 +82,10 @@ impl Questions {
         let from = data.coloured(layer, Stage::Source)?;
         let to = data.target(layer, target)?;
         let pairs = data.colour_pairs([from, to], area, task)?;
-        let fit = fit(&pairs, method).map_err(|few| refused(few.to_string()))?;
-        Ok(ColourMatch {
-            adjust: adjust(&fit, method, strength),
-            fit,
-        })
+        let ground = CommonGround::of(&pairs).map_err(|few| refused(few.to_string()))?;
+        let adjust = adjust(&ground.change(method), method, strength);
+        let fit = ground.fit(shown_by(&adjust));
+        Ok(ColourMatch { adjust, fit })
     }
 
     /// How far a layer as it is shown is from a target, over the part of `area` that both cover; and the
@@ -103,8 +105,8 @@ impl Questions {
         let from = data.coloured(layer, Stage::Adjusted)?;
         let to = data.target(layer, target)?;
         let pairs = data.colour_pairs([from, to], area, task)?;
-        let difference = colour_difference(&pairs).map_err(|few| refused(few.to_string()))?;
-        Ok((difference, pairs.len()))
+        let ground = CommonGround::of(&pairs).map_err(|few| refused(few.to_string()))?;
+        Ok((ground.difference(identity, identity), pairs.len()))
     }
 
     fn target(&self, layer: &LayerId, target: &MatchTarget) -> Result<NodeIndex, AnalysisError> {
@@ -248,11 +250,21 @@ fn cell(cells: &Grid, at: I64Vec2) -> Grid {
     Grid::new(Arc::new(lattice), SampleRect::at(0, 0, SIDE, SIDE))
 }
 
-/// A fit as parameters that a user can go on with, within their ranges.
-fn adjust(fit: &ColourFit, method: MatchMethod, strength: f64) -> Adjust {
-    let rows = fit.map.matrix.transpose().to_cols_array_2d();
+/// Colours as the picture has them with an adjustment: the node itself makes them, so that what is foretold is
+/// what is seen.
+fn shown_by(adjust: &Adjust) -> impl Fn([f32; 3]) -> [f32; 3] + use<> {
+    let node = AdjustNode::new(&adjustment(adjust));
+    move |[r, g, b]| {
+        let [r, g, b, _] = node.colour([r, g, b, 1.0]);
+        [r, g, b]
+    }
+}
+
+/// A change as parameters that a user can go on with, within their ranges.
+fn adjust(change: &ColourChange, method: MatchMethod, strength: f64) -> Adjust {
+    let rows = change.map.matrix.transpose().to_cols_array_2d();
     let mut adjust = Adjust {
-        offset: fit.map.offset.to_array().map(|v| v.clamp(-MOST, MOST)),
+        offset: change.map.offset.to_array().map(|v| v.clamp(-MOST, MOST)),
         strength: strength.clamp(0.0, 1.0),
         ..Adjust::default()
     };
@@ -270,7 +282,7 @@ fn adjust(fit: &ColourFit, method: MatchMethod, strength: f64) -> Adjust {
                 extra: Extra::new(),
             };
             adjust.curves = ToneCurves {
-                channels: fit
+                channels: change
                     .curves
                     .each_ref()
                     .map(|curve| curve.iter().map(point).collect()),

@@ -1,8 +1,7 @@
 //! Several overlapping pictures brought to one look at once.
 
 use super::ColourPair;
-use super::fit::{Difference, TooFewPairs, difference, finite};
-use super::robust::agreed;
+use super::ground::CommonGround;
 
 /// What two pictures show of the same ground, a channel at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,30 +22,8 @@ pub struct Overlap {
     pub weight: f64,
 }
 
-/// Places that two pictures show, and how much each counts: those that do not show the same ground do not.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CommonGround {
-    pairs: Vec<ColourPair>,
-    weights: Vec<f64>,
-}
-
 impl CommonGround {
-    /// Of pairs: `from` in the first picture, `to` in the second.
-    ///
-    /// # Errors
-    /// [`TooFewPairs`] as for [`fit`](super::fit()).
-    pub fn of(pairs: &[ColourPair]) -> Result<Self, TooFewPairs> {
-        let pairs = finite(pairs)?;
-        let (_, weights) = agreed(&pairs);
-        Ok(Self { pairs, weights })
-    }
-
-    /// How many places there are.
-    pub fn places(&self) -> usize {
-        self.pairs.len()
-    }
-
-    /// What they say of two pictures.
+    /// What it says of two pictures.
     pub fn overlap(&self, first: usize, second: usize) -> Overlap {
         let weight: f64 = self.weights.iter().sum();
         let moments = |of: &dyn Fn(&ColourPair) -> [f32; 3], channel: usize| {
@@ -72,16 +49,6 @@ impl CommonGround {
             weight,
         }
     }
-
-    /// How far the pictures are apart, each balanced.
-    pub fn difference(&self, first: &Balance, second: &Balance) -> Difference {
-        let shown = |pair: &ColourPair| ColourPair {
-            from: first.apply(pair.from),
-            to: second.apply(pair.to),
-        };
-        let shown: Vec<ColourPair> = self.pairs.iter().map(shown).collect();
-        difference(&shown, &self.weights, |pair| pair.from)
-    }
 }
 
 /// A picture's part: display values times `gain` plus `offset`.
@@ -99,14 +66,6 @@ impl Balance {
         gain: [1.0; 3],
         offset: [0.0; 3],
     };
-
-    /// What it makes of a colour, 0 to 1.
-    pub fn apply(&self, rgb: [f32; 3]) -> [f32; 3] {
-        core::array::from_fn(|c| {
-            let shown = f64::from(rgb[c]) * self.gain[c] + self.offset[c];
-            shown.clamp(0.0, 1.0) as f32
-        })
-    }
 }
 
 /// Why nothing is balanced.
@@ -292,6 +251,8 @@ impl Equations {
 
 #[cfg(test)]
 mod tests {
+    use core::convert::identity;
+
     use super::*;
 
     /// Three pictures of one ground in a row, each seen through its own gain and offset.
@@ -378,8 +339,14 @@ mod tests {
         let overlap = ground.overlap(0, 1);
         assert!((overlap.weight - 720.0).abs() < 10.0, "{}", overlap.weight);
         let found = balance(2, &[overlap], Some(0)).unwrap();
-        let before = ground.difference(&Balance::NONE, &Balance::NONE);
-        let after = ground.difference(&found[0], &found[1]);
+        let balanced = |i: usize| {
+            let Balance { gain, offset } = found[i];
+            move |rgb: [f32; 3]| {
+                core::array::from_fn(|c| (f64::from(rgb[c]) * gain[c] + offset[c]) as f32)
+            }
+        };
+        let before = ground.difference(identity, identity);
+        let after = ground.difference(balanced(0), balanced(1));
         assert!(before.mean_of_same > 5.0, "{before:?}");
         assert!(after.mean_of_same < 0.5, "{after:?}");
         assert!(CommonGround::of(&pairs[..20]).is_err());

@@ -1,16 +1,15 @@
-//! What makes the colours of one picture look like those of another.
+//! What makes the colours of one picture look like those of another, and how good it is.
 
 mod histograms;
 
+use core::convert::identity;
+
 use glam::DVec3;
 
+use super::ColourPair;
+use super::ground::{CommonGround, Difference};
 use super::map::{ColourMap, vector};
-use super::robust::agreed;
-use super::{ColourPair, Lab, ciede2000};
 pub use histograms::{FIT_BINS, FitHistograms};
-
-/// Fewest pairs that a match is made from.
-pub const FEWEST_PAIRS: usize = 50;
 
 /// How colours are matched, from the fewest parameters to the most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,33 +22,19 @@ pub enum MatchMethod {
     Regression,
 }
 
-/// Too few places have both colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected at least {FEWEST_PAIRS} places with both colours, found {found}")]
-pub struct TooFewPairs {
-    /// How many have.
-    pub found: usize,
-}
-
-/// Colour differences (CIEDE2000) over pairs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Difference {
-    /// Over all pairs.
-    pub mean: f64,
-    /// One in twenty pairs differs by more.
-    pub p95: f64,
-    /// Over the pairs that show the same ground.
-    pub mean_of_same: f64,
-}
-
 /// What makes one picture look like the other; steps in the order of the fields.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ColourFit {
+pub struct ColourChange {
     /// Mix and offset on display values: channels alone for all methods but the regression.
     pub map: ColourMap,
     /// A tone curve a channel after the map: points (input, output) with rising inputs; empty curves
-    /// change nothing.
+    /// change nothing. How a curve runs between its points is decided by who draws it.
     pub curves: [Vec<[f64; 2]>; 3],
+}
+
+/// How well one picture, its colours changed, looks like the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColourFit {
     /// Number of pairs.
     pub pairs: usize,
     /// Of these, how many were taken to show the same ground.
@@ -62,56 +47,39 @@ pub struct ColourFit {
     pub histograms: FitHistograms,
 }
 
-/// Fits. Pairs that do not show the same ground (clouds, shadows, what was built since) are found by a
-/// robust regression first and left out, whatever the method.
-///
-/// # Errors
-/// [`TooFewPairs`] below [`FEWEST_PAIRS`]; pairs with values that are no numbers do not count.
-pub fn fit(pairs: &[ColourPair], method: MatchMethod) -> Result<ColourFit, TooFewPairs> {
-    let pairs = finite(pairs)?;
-    let (regression, weights) = agreed(&pairs);
-    let same: Vec<(&ColourPair, f64)> = pairs.iter().zip(weights.iter().copied()).collect();
-    let none = || core::array::from_fn(|_| Vec::new());
-    let (map, curves) = match method {
-        MatchMethod::Regression => (regression, none()),
-        MatchMethod::MeanAndSpread => (spread(&same), none()),
-        MatchMethod::Histogram => (
-            ColourMap::IDENTITY,
-            core::array::from_fn(|channel| quantiles(&same, channel)),
-        ),
-    };
-    let shown = |pair: &ColourPair| {
-        let mapped = map.apply(pair.from).to_array();
-        core::array::from_fn(|c| followed(&curves[c], mapped[c].clamp(0.0, 1.0)) as f32)
-    };
-    Ok(ColourFit {
-        pairs: pairs.len(),
-        same: weights.iter().filter(|w| **w > 0.0).count(),
-        before: difference(&pairs, &weights, |pair| pair.from),
-        after: difference(&pairs, &weights, shown),
-        histograms: FitHistograms::of(&pairs, &weights, shown),
-        map,
-        curves,
-    })
-}
-
-/// Differences of pairs as they are.
-///
-/// # Errors
-/// As for [`fit()`].
-pub fn colour_difference(pairs: &[ColourPair]) -> Result<Difference, TooFewPairs> {
-    let pairs = finite(pairs)?;
-    let (_, weights) = agreed(&pairs);
-    Ok(difference(&pairs, &weights, |pair| pair.from))
-}
-
-pub(super) fn finite(pairs: &[ColourPair]) -> Result<Vec<ColourPair>, TooFewPairs> {
-    let finite = |pair: &&ColourPair| pair.from.iter().chain(&pair.to).all(|v| v.is_finite());
-    let pairs: Vec<ColourPair> = pairs.iter().filter(finite).copied().collect();
-    if pairs.len() < FEWEST_PAIRS {
-        return Err(TooFewPairs { found: pairs.len() });
+impl CommonGround {
+    /// What makes the first picture look like the second, from the pairs that show the same ground alone,
+    /// whatever the method.
+    pub fn change(&self, method: MatchMethod) -> ColourChange {
+        let pairs: Vec<(&ColourPair, f64)> = self.weighted().collect();
+        let none = || core::array::from_fn(|_| Vec::new());
+        let (map, curves) = match method {
+            MatchMethod::Regression => (self.agreed, none()),
+            MatchMethod::MeanAndSpread => (spread(&pairs), none()),
+            MatchMethod::Histogram => (
+                ColourMap::IDENTITY,
+                core::array::from_fn(|channel| quantiles(&pairs, channel)),
+            ),
+        };
+        ColourChange { map, curves }
     }
-    Ok(pairs)
+
+    /// How good a change of the first picture is. `shown` is the change as it is drawn: display values to
+    /// display values.
+    pub fn fit(&self, shown: impl Fn([f32; 3]) -> [f32; 3]) -> ColourFit {
+        ColourFit {
+            pairs: self.places(),
+            same: self.same(),
+            before: self.difference(identity, identity),
+            after: self.difference(&shown, identity),
+            histograms: FitHistograms::of(self, shown),
+        }
+    }
+
+    /// Pairs and how much each counts.
+    fn weighted(&self) -> impl Iterator<Item = (&ColourPair, f64)> {
+        self.pairs.iter().zip(self.weights.iter().copied())
+    }
 }
 
 /// Weighted means and standard deviations agree.
@@ -199,36 +167,6 @@ fn quantiles(pairs: &[(&ColourPair, f64)], channel: usize) -> Vec<[f64; 2]> {
         points.push(white);
     }
     points
-}
-
-/// A curve's output, straight between points: how a fit is judged, not how it is drawn.
-fn followed(points: &[[f64; 2]], x: f64) -> f64 {
-    let after = points.partition_point(|p| p[0] <= x);
-    match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
-        (None, None) => x,
-        (Some(only), None) => only[1],
-        (None, Some(only)) => only[1],
-        (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
-    }
-}
-
-pub(super) fn difference(
-    pairs: &[ColourPair],
-    weights: &[f64],
-    shown: impl Fn(&ColourPair) -> [f32; 3],
-) -> Difference {
-    let of = |pair: &ColourPair| ciede2000(Lab::from_srgb(shown(pair)), Lab::from_srgb(pair.to));
-    let mut all: Vec<f64> = pairs.iter().map(of).collect();
-    let same = all.iter().zip(weights).filter(|(_, w)| **w > 0.0);
-    let (sum, count) = same.fold((0.0, 0_usize), |(sum, n), (d, _)| (sum + d, n + 1));
-    let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
-    all.sort_by(f64::total_cmp);
-    let p95 = all.get((all.len() * 95 / 100).min(all.len().saturating_sub(1)));
-    Difference {
-        mean,
-        p95: p95.copied().unwrap_or(0.0),
-        mean_of_same: sum / count.max(1) as f64,
-    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use relievo_project::{
 use relievo_raster::SampleType;
 use relievo_vector::Drawing;
 
-use super::adjust::adjustment;
+use super::adjustment;
 use super::{Compiler, Ground, level_of_step, relief};
 use crate::message::{Message, Severity};
 use crate::scene::Detail;

@@ -1,12 +1,14 @@
 //! Several overlapping layers brought to one look at once.
 
+use std::convert::identity;
+
 use relievo_analysis::MapBox;
 use relievo_analysis::colour::{
     Balance, BalanceError, CommonGround, Difference, MOST_PICTURES, Overlap, balance,
 };
 use relievo_project::{Adjust, LayerId};
 
-use super::refused;
+use super::{refused, shown_by};
 use crate::analysis::{AnalysisError, Task};
 use crate::query::Questions;
 use crate::sampling::Stage;
@@ -171,18 +173,19 @@ fn difference(
     found: &[Balance],
     held: Option<usize>,
 ) -> OverlapDifference {
+    // The held one is compared as it is shown.
     let [first, second] = common.pictures.map(|i| {
-        if Some(i) == held {
-            Balance::NONE
+        shown_by(&if Some(i) == held {
+            Adjust::default()
         } else {
-            found[i]
-        }
+            adjust(&found[i])
+        })
     });
     OverlapDifference {
         layers: common.pictures.map(|i| layers[i].clone()),
         places: common.ground.places(),
-        before: common.ground.difference(&Balance::NONE, &Balance::NONE),
-        after: common.ground.difference(&first, &second),
+        before: common.ground.difference(identity, identity),
+        after: common.ground.difference(first, second),
     }
 }
 

@@ -345,8 +345,8 @@ impl Adjust {
         }
     }
 
-    /// One colour.
-    fn colour(&self, rgba: [f32; 4]) -> [f32; 4] {
+    /// One colour, straight and display-referred: the same bits as in a picture.
+    pub fn colour(&self, rgba: [f32; 4]) -> [f32; 4] {
         let mut colours = rgba.map(|v| [v; LANES]);
         self.adjust_lanes(&mut colours);
         colours.map(|lanes| lanes[0])

@@ -1,6 +1,6 @@
 //! Values of a fit before, after and as they should be.
 
-use super::super::ColourPair;
+use super::CommonGround;
 
 /// Bins from black to white.
 pub const FIT_BINS: usize = 64;
@@ -17,21 +17,16 @@ pub struct FitHistograms {
 }
 
 impl FitHistograms {
-    pub(super) fn of(
-        pairs: &[ColourPair],
-        weights: &[f64],
-        shown: impl Fn(&ColourPair) -> [f32; 3],
-    ) -> Self {
+    pub(super) fn of(ground: &CommonGround, shown: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
         let mut all = Self {
             before: [[0; FIT_BINS]; 3],
             after: [[0; FIT_BINS]; 3],
             target: [[0; FIT_BINS]; 3],
         };
-        let same = pairs.iter().zip(weights).filter(|(_, w)| **w > 0.0);
-        for (pair, _) in same {
+        for (pair, _) in ground.weighted().filter(|(_, w)| *w > 0.0) {
             let counted = [
                 (&mut all.before, pair.from),
-                (&mut all.after, shown(pair)),
+                (&mut all.after, shown(pair.from)),
                 (&mut all.target, pair.to),
             ];
             for (bins, rgb) in counted {
