@@ -1,34 +1,29 @@
-//! Workers, the manager that resolves what they need, and the door to both.
+//! The door to cache, manager and workers: what is wanted, what is finished, and the threads between them.
 
-use std::collections::HashSet;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+mod manager;
+mod on_disk;
+mod state;
+mod workers;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use parking_lot::{Condvar, Mutex, MutexGuard};
-use relievo_graph::{ContentId, Graph, NodeIndex, RenderError};
+use relievo_graph::{ContentId, Graph, NodeIndex};
 use relievo_planet::TileKey;
-use relievo_raster::{Cancel, Tile};
-use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
+use relievo_raster::Cancel;
+use thread_priority::set_current_thread_priority;
 
-use crate::cache::{Cache, Cost, Focus, TileState};
+use self::state::State;
+use self::workers::below_normal;
+use crate::cache::{Focus, TileState};
 use crate::disk::{DiskOptions, Folder, Shelf};
 use crate::log::LogEntry;
-use crate::queue::{Inputs, Job, Queue, Rank};
-use crate::reads::Reads;
-use crate::storing::Storing;
 
 /// Threads that read finished tiles from disk: one would idle while the disk seeks.
 const READERS: usize = 2;
-
-/// A tile that the disk has not given after this is made instead.
-const PATIENCE: Duration = Duration::from_millis(100);
-
-/// A tile that is only read by others is stored if it cost so many times more than one that is
-/// shown: on reopening it is not needed.
-const INPUT_FACTOR: u32 = 4;
 
 /// Longest time that closing waits for tiles to be written.
 const CLOSING: Duration = Duration::from_secs(2);
@@ -104,25 +99,6 @@ pub struct Stats {
     pub pending: usize,
 }
 
-struct State {
-    queue: Queue,
-    cache: Cache,
-    /// What the latest call of `want` named.
-    wanted: HashSet<ContentId>,
-    /// Wants that the manager has not looked at yet.
-    inbox: Option<(Vec<Want>, Focus)>,
-    managing: bool,
-    finished: Vec<Finished>,
-    log: Vec<LogEntry>,
-    stats: Stats,
-    closing: bool,
-    storing: Storing,
-    reads: Reads,
-    /// Least cost of a tile that is stored; `None` without a disk.
-    dear: Option<Duration>,
-    disk: Option<Arc<dyn Shelf>>,
-}
-
 struct Shared {
     state: Mutex<State>,
     /// Signals the manager: wants came.
@@ -173,21 +149,7 @@ impl Tiles {
         let calm = disk.as_ref().map_or(Duration::ZERO, |d| d.2);
         let (disk, dear) = disk.map(|d| (d.0, d.1)).unzip();
         let shared = Arc::new(Shared {
-            state: Mutex::new(State {
-                queue: Queue::default(),
-                cache: Cache::new(options.memory),
-                wanted: HashSet::new(),
-                inbox: None,
-                managing: false,
-                finished: Vec::new(),
-                log: Vec::new(),
-                stats: Stats::default(),
-                closing: false,
-                storing: Storing::new(calm),
-                reads: Reads::default(),
-                dear,
-                disk,
-            }),
+            state: Mutex::new(State::new(options.memory, calm, dear, disk)),
             asked: Condvar::new(),
             work: Condvar::new(),
             read: Condvar::new(),
@@ -339,218 +301,7 @@ impl Drop for Tiles {
     }
 }
 
-/// A little below normal: drawing comes first, but where the processor draws, too, the lowest
-/// priority would leave nothing for tiles at all.
-fn below_normal() -> ThreadPriority {
-    ThreadPriorityValue::try_from(40).map_or(ThreadPriority::Min, ThreadPriority::Crossplatform)
-}
-
-/// Makes a tile. A panic in a node is a bug, but one tile's: it must not take a worker with it and
-/// leave everybody waiting.
-fn make(job: &Job, inputs: &Inputs, cancel: &Cancel) -> Result<Tile, RenderError> {
-    let tile_of = |node, key| Arc::clone(&inputs.tiles[&(node, key)]);
-    let made = catch_unwind(AssertUnwindSafe(|| {
-        job.graph.make(job.node, job.key, &tile_of, cancel)
-    }));
-    made.unwrap_or_else(|_| {
-        Err(RenderError::Node {
-            node: job.graph.node(job.node).kind(),
-            reason: format!("panicked while making tile {}; this is a bug", job.key),
-        })
-    })
-}
-
-impl State {
-    fn is_idle(&self) -> bool {
-        self.inbox.is_none() && !self.managing && self.queue.len() == 0
-    }
-
-    /// Adds the task for `job` and for everything it depends on, depth first, each id once. What may
-    /// lie on disk is looked for there, and needs nothing else.
-    fn resolve(&mut self, job: Job, rank: Rank) {
-        if self.cache.contains(job.id) || self.queue.contains(job.id) {
-            return;
-        }
-        if self.disk.as_ref().is_some_and(|d| d.may_have(job.id)) {
-            self.queue.add_load(job, rank);
-        } else {
-            self.resolve_making(job, rank);
-        }
-    }
-
-    fn resolve_making(&mut self, job: Job, rank: Rank) {
-        let mut inputs = Inputs::default();
-        let mut missing = Vec::new();
-        for &(node, key, id) in self.reads.of(&job).iter() {
-            if let Some((TileState::Ready(tile), cost)) = self.cache.get_with_cost(id) {
-                inputs.tiles.insert((node, key), tile);
-                inputs.cost += cost;
-                continue;
-            }
-            let input = Job {
-                graph: Arc::clone(&job.graph),
-                node,
-                key,
-                id,
-            };
-            self.resolve(input, rank);
-            if let Some(TileState::Failed(error)) = self.cache.get(id) {
-                self.fail(&job, &error);
-                return;
-            }
-            missing.push((id, (node, key)));
-        }
-        self.queue.add(job, rank, inputs, &missing);
-    }
-
-    fn fail(&mut self, job: &Job, error: &Arc<RenderError>) {
-        self.stats.failed += 1;
-        self.done(job, &TileState::Failed(Arc::clone(error)), Cost::default());
-    }
-
-    /// Keeps a result, tells who wants it and who reads it.
-    fn done(&mut self, job: &Job, state: &TileState, cost: Cost) {
-        let wanted = self.wanted.contains(&job.id);
-        if !wanted && !self.queue.is_read(job.id) {
-            self.stats.in_vain += 1;
-        }
-        self.cache
-            .insert(job.id, job.key, state.clone(), cost, wanted);
-        if wanted {
-            self.finished.push(Finished {
-                id: job.id,
-                state: state.clone(),
-            });
-        }
-        let lost = match state {
-            TileState::Ready(tile) => self.queue.finish(job.id, Some((tile, cost.whole))),
-            TileState::Failed(_) => self.queue.finish(job.id, None),
-        };
-        if let TileState::Failed(error) = state {
-            for reader in lost {
-                self.fail(&reader, error);
-            }
-        }
-    }
-
-    /// Whether a tile that was just made is worth a place on disk.
-    fn is_dear(&self, id: ContentId, tile: &Tile, cost: Cost) -> bool {
-        let Some(dear) = self.dear else { return false };
-        let factor = if self.wanted.contains(&id) {
-            1
-        } else {
-            INPUT_FACTOR
-        };
-        // Larger tiles take longer to read, and take the place of others.
-        let size = tile.memory().div_ceil(1 << 18) as u32;
-        cost.whole >= dear * factor * size
-    }
-}
-
 impl Shared {
-    /// The manager: turns wants into tasks whenever they change.
-    fn manage(&self) {
-        let mut state = self.state.lock();
-        loop {
-            while state.inbox.is_none() && !state.closing {
-                self.asked.wait(&mut state);
-            }
-            if state.closing {
-                return;
-            }
-            let Some((wants, focus)) = state.inbox.take() else {
-                continue;
-            };
-            state.managing = true;
-            state.queue.clear();
-            if let Some(want) = wants.first() {
-                state.storing.follow(&want.graph);
-            }
-            let wanted: HashSet<_> = wants.iter().map(|w| w.id).collect();
-            state.cache.set_wanted(|id| wanted.contains(&id), focus);
-            state.wanted = wanted;
-            let mut told = HashSet::new();
-            for (rank, want) in wants.into_iter().enumerate() {
-                if state.inbox.is_some() || state.closing {
-                    break;
-                }
-                if !told.insert(want.id) {
-                    continue;
-                }
-                if let Some(found) = state.cache.get(want.id) {
-                    state.finished.push(Finished {
-                        id: want.id,
-                        state: found,
-                    });
-                    continue;
-                }
-                let Want {
-                    graph,
-                    node,
-                    key,
-                    id,
-                } = want;
-                let job = Job {
-                    graph,
-                    node,
-                    key,
-                    id,
-                };
-                state.resolve(job, rank as Rank);
-                self.work.notify_one();
-                if state.queue.is_loading() {
-                    self.read.notify_one();
-                }
-                // Others must get the lock between two wants, or drawing would stall on a long list.
-                MutexGuard::bump(&mut state);
-            }
-            state.managing = false;
-            self.progress.notify_all();
-            self.work.notify_all();
-            self.read.notify_all();
-            self.write.notify_one();
-            self.wake();
-        }
-    }
-
-    /// A worker: takes the first task that can run.
-    fn work_on(&self) {
-        let mut state = self.state.lock();
-        loop {
-            let Some((job, inputs)) = state.queue.start() else {
-                if state.closing {
-                    return;
-                }
-                if let Some((job, rank)) = state.queue.give_up_load(PATIENCE) {
-                    state.resolve_making(job, rank);
-                    self.work.notify_all();
-                } else if state.queue.is_loading() {
-                    self.work.wait_for(&mut state, PATIENCE);
-                } else {
-                    self.work.wait(&mut state);
-                }
-                continue;
-            };
-            if state.closing {
-                return;
-            }
-            drop(state);
-            let started = Instant::now();
-            let result = make(&job, &inputs, &self.cancel);
-            let own = started.elapsed();
-            self.busy_ns
-                .fetch_add(own.as_nanos() as u64, Ordering::Relaxed);
-            let cost = Cost {
-                own,
-                whole: own + inputs.cost,
-            };
-            drop(inputs);
-            state = self.state.lock();
-            self.keep(&mut state, &job, result, cost);
-            self.tell(&mut state);
-        }
-    }
-
     /// Tells everybody that something finished.
     fn tell(&self, state: &mut MutexGuard<State>) {
         self.progress.notify_all();
@@ -558,114 +309,6 @@ impl Shared {
         self.read.notify_all();
         self.write.notify_one();
         MutexGuard::unlocked(state, || self.wake());
-    }
-
-    /// A reader: takes the first tile that may lie on disk.
-    fn read_on(&self, lists: bool) {
-        let mut state = self.state.lock();
-        let Some(disk) = state.disk.clone() else {
-            return;
-        };
-        if lists {
-            MutexGuard::unlocked(&mut state, || disk.list());
-        }
-        loop {
-            if state.closing {
-                return;
-            }
-            let Some(id) = state.queue.start_load() else {
-                self.read.wait(&mut state);
-                continue;
-            };
-            let started = Instant::now();
-            let found = MutexGuard::unlocked(&mut state, || disk.load(id));
-            let Some((job, rank)) = state.queue.end_load(id) else {
-                continue;
-            };
-            match found {
-                Some(loaded) => {
-                    state.stats.loaded += 1;
-                    let cost = Cost {
-                        own: started.elapsed(),
-                        whole: loaded.cost,
-                    };
-                    state.done(&job, &TileState::Ready(Arc::new(loaded.tile)), cost);
-                }
-                None if state.wanted.contains(&id) || state.queue.is_read(id) => {
-                    state.resolve_making(job, rank);
-                }
-                None => {}
-            }
-            self.tell(&mut state);
-        }
-    }
-
-    /// The writer: stores what was dear while nothing is wanted.
-    fn write_on(&self) {
-        let mut state = self.state.lock();
-        let Some(disk) = state.disk.clone() else {
-            return;
-        };
-        loop {
-            let due = state.storing.due_in();
-            match due {
-                None if state.closing => return,
-                Some(wait) if !state.closing && state.is_idle() && !wait.is_zero() => {
-                    self.write.wait_for(&mut state, wait);
-                    continue;
-                }
-                Some(_) if state.closing || state.is_idle() => {}
-                _ => {
-                    self.write.wait(&mut state);
-                    continue;
-                }
-            }
-            let Some((next, graph)) = state.storing.next() else {
-                continue;
-            };
-            let Some(TileState::Ready(tile)) = state.cache.get(next.id()) else {
-                continue;
-            };
-            let stored = MutexGuard::unlocked(&mut state, || {
-                next.is_of(&graph) && disk.save(next.id(), &tile, next.cost)
-            });
-            state.stats.stored += u64::from(stored);
-        }
-    }
-
-    fn keep(&self, state: &mut State, job: &Job, result: Result<Tile, RenderError>, cost: Cost) {
-        let ready = result.is_ok();
-        let outcome = match result {
-            Ok(tile) => {
-                state.stats.made += 1;
-                if state.is_dear(job.id, &tile, cost) {
-                    state.storing.add(job.clone(), cost.whole);
-                }
-                TileState::Ready(Arc::new(tile))
-            }
-            Err(RenderError::Cancelled) => {
-                state.queue.finish(job.id, None);
-                return;
-            }
-            Err(error) => {
-                state.stats.failed += 1;
-                tracing::warn!("tile {} failed: {error}", job.key);
-                TileState::Failed(Arc::new(error))
-            }
-        };
-        if self.log {
-            let kind = job.graph.node(job.node).kind();
-            state.log.push(LogEntry {
-                graph: Arc::downgrade(&job.graph),
-                node: job.node,
-                kind,
-                key: job.key,
-                id: job.id,
-                ready,
-                cost: cost.own,
-            });
-        }
-        state.done(job, &outcome, cost);
     }
 
     fn wake(&self) {

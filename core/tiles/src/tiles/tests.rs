@@ -1,7 +1,7 @@
 use relievo_graph::GraphBuilder;
 use relievo_graph::nodes::{Noise, NoiseParams};
 use relievo_planet::{LevelKey, MapPoint, Planet};
-use relievo_raster::SampleType;
+use relievo_raster::{SampleType, Tile};
 
 use super::*;
 use crate::disk::Loaded;
