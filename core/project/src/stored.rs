@@ -7,6 +7,7 @@
 pub(crate) mod value;
 
 pub(crate) mod adjust;
+pub(crate) mod blend;
 pub(crate) mod colour;
 pub(crate) mod colour_detail;
 pub(crate) mod convert;
@@ -15,11 +16,14 @@ pub(crate) mod elements;
 pub(crate) mod fault;
 pub(crate) mod mask;
 pub(crate) mod migrate;
+pub(crate) mod noise;
 pub(crate) mod parse;
 pub(crate) mod range;
+pub(crate) mod rasters;
 pub(crate) mod relief;
 pub(crate) mod scenarios;
 pub(crate) mod series;
+pub(crate) mod settings;
 pub(crate) mod stretch;
 pub(crate) mod v1;
 pub(crate) mod vector;

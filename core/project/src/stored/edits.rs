@@ -24,7 +24,7 @@ use super::series::{Dated, StoredDate};
 use super::stretch::StoredStretch;
 use super::value::{Fields, Stored, With, object};
 use super::vector::VectorStyle;
-use super::{range, relief, v1};
+use super::{blend, noise, range, rasters, relief, settings, v1};
 use crate::Extra;
 
 macro_rules! stored_edits {
@@ -103,7 +103,7 @@ stored_edits! {
     /// Locks or unlocks a layer.
     SetLocked = "set_locked" { id: String, locked: bool, }
     /// Changes how an imagery, tint, slope or contours layer meets the layers below.
-    SetBlend = "set_blend" { id: String, blend: v1::Blend, }
+    SetBlend = "set_blend" { id: String, blend: blend::Blend, }
     /// Gives a layer its place in a series of pictures of one ground at different times; in none where
     /// `dated` is left out.
     SetDated = "set_dated" { id: String, dated: Option<With<Dated>>, }
@@ -114,7 +114,7 @@ stored_edits! {
     /// Replaces the colour adjustment of an imagery or tint layer.
     SetAdjust = "set_adjust" { id: String, adjust: With<Adjust>, }
     /// Changes how samples between a file's pixels are made.
-    SetResampling = "set_resampling" { id: String, resampling: v1::Resampling, }
+    SetResampling = "set_resampling" { id: String, resampling: rasters::Resampling, }
     /// Changes the width in metres over which a file's edge fades.
     SetEdgeFade = "set_edge_fade" { id: String, edge_fade_m: f64 = range::EDGE_FADE_M, }
     /// Changes how many metres from the edge of its data an imagery layer bends to the colours below.
@@ -127,14 +127,14 @@ stored_edits! {
     /// Links an imagery or height layer to another file.
     SetPath = "set_path" { id: String, path: String, }
     /// Places a file; as it says itself where `georeference` is left out.
-    SetGeoreference = "set_georeference" { id: String, georeference: Option<With<v1::Georeference>>, }
+    SetGeoreference = "set_georeference" { id: String, georeference: Option<With<rasters::Georeference>>, }
     /// Changes the value that means "no data"; the file's own where `nodata` is left out.
     SetNodata = "set_nodata" { id: String, nodata: Option<f64> = range::NODATA, }
     /// Changes how a set of tiles is read: as it says itself where a member is left out.
     SetTiles = "set_tiles" {
         id: String,
-        encoding: Option<v1::HeightEncoding>,
-        tile_rows: Option<v1::TileRows>,
+        encoding: Option<rasters::HeightEncoding>,
+        tile_rows: Option<rasters::TileRows>,
     }
     /// Chooses bands, counted from 1; as the file says where `bands` is left out.
     SetBands = "set_bands" { id: String, bands: Option<Vec<u32>> => range::BAND, }
@@ -147,9 +147,9 @@ stored_edits! {
         offset_m: f64 = range::HEIGHT_M,
     }
     /// Replaces a noise layer's parameters.
-    SetNoise = "set_noise" { id: String, noise: With<v1::Noise>, }
+    SetNoise = "set_noise" { id: String, noise: With<noise::Noise>, }
     /// Replaces a detail layer's parameters.
-    SetDetail = "set_detail" { id: String, detail: With<v1::Detail>, }
+    SetDetail = "set_detail" { id: String, detail: With<noise::Detail>, }
     /// Replaces a tint layer's colours.
     SetTint = "set_tint" {
         id: String,
@@ -161,15 +161,15 @@ stored_edits! {
     /// Replaces what a layer of contour lines looks like.
     SetContours = "set_contours" { id: String, contours: With<relief::Contours>, }
     /// Replaces the planet and the exaggeration.
-    SetPlanet = "set_planet" { planet: With<v1::Planet>, }
+    SetPlanet = "set_planet" { planet: With<settings::Planet>, }
     /// Changes the exaggeration alone.
     SetExaggeration = "set_exaggeration" { vertical_exaggeration: f64 = range::EXAGGERATION, }
     /// Moves the viewer.
-    SetCamera = "set_camera" { camera: With<v1::Camera>, }
+    SetCamera = "set_camera" { camera: With<settings::Camera>, }
     /// Replaces the light.
-    SetSun = "set_sun" { sun: With<v1::Sun>, }
+    SetSun = "set_sun" { sun: With<settings::Sun>, }
     /// Replaces the quality of the picture.
-    SetQuality = "set_quality" { quality: With<v1::Quality>, }
+    SetQuality = "set_quality" { quality: With<settings::Quality>, }
     /// Replaces the style of a vector layer.
     SetVectorStyle = "set_vector_style" { id: String, style: With<VectorStyle>, }
     /// Changes how a vector layer's file is read: as it says itself where a member is left out.

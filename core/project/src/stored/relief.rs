@@ -3,7 +3,7 @@
 use super::adjust::Adjust;
 use super::colour::StoredColour;
 use super::value::With;
-use super::{range, v1};
+use super::{blend, range};
 
 fields! {
     /// Colours from heights.
@@ -14,7 +14,7 @@ fields! {
         /// What happens between stops; smooth where left out.
         interpolation: Option<TintInterpolation>,
         /// How the colour meets what lies below; normal where left out.
-        blend: Option<v1::Blend>,
+        blend: Option<blend::Blend>,
         /// Colour adjustment; none where left out.
         adjust: Option<With<Adjust>>,
     }
@@ -41,7 +41,7 @@ fields! {
         /// What people read and type slopes in; degrees where left out.
         unit: Option<SlopeUnit>,
         /// How the colour meets what lies below; normal where left out.
-        blend: Option<v1::Blend>,
+        blend: Option<blend::Blend>,
     }
 }
 
@@ -73,7 +73,7 @@ fields! {
         /// Width of index lines in pixels of the picture; 2 where left out.
         index_width_px: Option<f64> = range::LINE_PX,
         /// How they meet what lies below; normal where left out.
-        blend: Option<v1::Blend>,
+        blend: Option<blend::Blend>,
     }
 }
 

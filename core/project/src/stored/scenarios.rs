@@ -2,7 +2,7 @@
 
 use super::elements::Element;
 use super::range;
-use super::v1::Camera;
+use super::settings::Camera;
 use super::value::With;
 
 fields! {

@@ -7,7 +7,7 @@ use crate::stored::colour::StoredColour;
 use crate::stored::fault::{At, Fault, quote};
 use crate::stored::stretch::StoredStretch;
 use crate::stored::value::{Stored as _, With};
-use crate::stored::{range, v1};
+use crate::stored::{noise, range, rasters, v1};
 use crate::{
     Adjust, Blend, ContoursLayer, Dated, Detail, DetailLayer, Extent, Georeference, HeightLayer,
     ImageryLayer, Layer, LayerId, LayerKind, Mask, Noise, NoiseLayer, Resampling, SlopeLayer,
@@ -146,7 +146,7 @@ fn mask(
 }
 
 impl Twin for ImageryLayer {
-    type Stored = v1::Imagery;
+    type Stored = rasters::Imagery;
 
     fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
         Ok(Self {
@@ -173,7 +173,7 @@ impl Twin for ImageryLayer {
     }
 
     fn to_stored(&self) -> Self::Stored {
-        v1::Imagery {
+        rasters::Imagery {
             path: self.source.path.clone(),
             georeference: self.source.georeference.as_ref().map(Twin::to_stored),
             nodata: self.source.nodata,
@@ -197,7 +197,7 @@ impl Twin for ImageryLayer {
 }
 
 impl Twin for HeightLayer {
-    type Stored = v1::Height;
+    type Stored = rasters::Height;
 
     fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
         Ok(Self {
@@ -220,7 +220,7 @@ impl Twin for HeightLayer {
     }
 
     fn to_stored(&self) -> Self::Stored {
-        v1::Height {
+        rasters::Height {
             path: self.source.path.clone(),
             georeference: self.source.georeference.as_ref().map(Twin::to_stored),
             nodata: self.source.nodata,
@@ -237,7 +237,7 @@ impl Twin for HeightLayer {
 }
 
 impl Twin for Noise {
-    type Stored = v1::Noise;
+    type Stored = noise::Noise;
 
     fn from_stored(stored: Self::Stored, _: &At<'_>) -> Result<Self, Fault> {
         let default = Self::default();
@@ -256,7 +256,7 @@ impl Twin for Noise {
 
     fn to_stored(&self) -> Self::Stored {
         let default = Self::default();
-        v1::Noise {
+        noise::Noise {
             seed: unless_default(self.seed, &default.seed),
             amplitude_m: self.amplitude_m,
             wavelength_m: self.wavelength_m,
@@ -271,7 +271,7 @@ impl Twin for Noise {
 }
 
 impl Twin for Detail {
-    type Stored = v1::Detail;
+    type Stored = noise::Detail;
 
     fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
         if let (Some(lowest), Some(highest)) = (stored.lowest_m, stored.highest_m)
@@ -295,7 +295,7 @@ impl Twin for Detail {
 
     fn to_stored(&self) -> Self::Stored {
         let default = Self::default();
-        v1::Detail {
+        noise::Detail {
             seed: unless_default(self.seed, &default.seed),
             strength: unless_default(self.strength, &default.strength),
             method: unless_default(self.method, &default.method).map(Into::into),
@@ -309,7 +309,7 @@ impl Twin for Detail {
 }
 
 impl Twin for Georeference {
-    type Stored = With<v1::Georeference>;
+    type Stored = With<rasters::Georeference>;
 
     fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
         let With { fields, extra } = stored;
@@ -356,7 +356,7 @@ impl Twin for Georeference {
 
     fn to_stored(&self) -> Self::Stored {
         With {
-            fields: v1::Georeference {
+            fields: rasters::Georeference {
                 crs: self.crs.clone(),
                 west: self.extent.map(|e| e.west),
                 south: self.extent.map(|e| e.south),
@@ -370,7 +370,7 @@ impl Twin for Georeference {
 
 /// The member `georeference` of the object at `at`.
 fn georeference(
-    stored: Option<With<v1::Georeference>>,
+    stored: Option<With<rasters::Georeference>>,
     at: &At<'_>,
 ) -> Result<Option<Georeference>, Fault> {
     stored

@@ -4,12 +4,12 @@ use relievo_planet::Planet;
 
 use super::{Twin, unless_default};
 use crate::stored::fault::{At, Fault};
-use crate::stored::v1;
+use crate::stored::settings;
 use crate::stored::value::With;
 use crate::{Aim, Auto, Body, CameraSettings, PlanetSettings, Quality, Sun, SunAnchor};
 
 impl Twin for PlanetSettings {
-    type Stored = With<v1::Planet>;
+    type Stored = With<settings::Planet>;
 
     fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
         let With { fields, extra } = stored;
@@ -20,9 +20,9 @@ impl Twin for PlanetSettings {
             (Some(_), _) if figure_given => {
                 return Err(at.fault("a preset or a figure", "both"));
             }
-            (Some(v1::Preset::Earth), _) => Body::Earth,
-            (Some(v1::Preset::Mars), _) => Body::Mars,
-            (Some(v1::Preset::Moon), _) => Body::Moon,
+            (Some(settings::Preset::Earth), _) => Body::Earth,
+            (Some(settings::Preset::Mars), _) => Body::Mars,
+            (Some(settings::Preset::Moon), _) => Body::Moon,
             (None, Some(radius_m)) => Body::Custom(Planet {
                 radius_m,
                 equatorial_radius_m: fields.equatorial_radius_m.unwrap_or(radius_m),
@@ -41,9 +41,9 @@ impl Twin for PlanetSettings {
 
     fn to_stored(&self) -> Self::Stored {
         let preset = match self.body {
-            Body::Earth => Some(v1::Preset::Earth),
-            Body::Mars => Some(v1::Preset::Mars),
-            Body::Moon => Some(v1::Preset::Moon),
+            Body::Earth => Some(settings::Preset::Earth),
+            Body::Mars => Some(settings::Preset::Mars),
+            Body::Moon => Some(settings::Preset::Moon),
             Body::Custom(_) => None,
         };
         let figure = match self.body {
@@ -51,7 +51,7 @@ impl Twin for PlanetSettings {
             Body::Earth | Body::Mars | Body::Moon => None,
         };
         With {
-            fields: v1::Planet {
+            fields: settings::Planet {
                 preset,
                 radius_m: figure.map(|f| f.radius_m),
                 equatorial_radius_m: figure
@@ -65,7 +65,7 @@ impl Twin for PlanetSettings {
 }
 
 impl Twin for CameraSettings {
-    type Stored = With<v1::Camera>;
+    type Stored = With<settings::Camera>;
 
     fn from_stored(stored: Self::Stored, _: &At<'_>) -> Result<Self, Fault> {
         let With { fields, extra } = stored;
@@ -84,7 +84,7 @@ impl Twin for CameraSettings {
     fn to_stored(&self) -> Self::Stored {
         let default = Self::default();
         With {
-            fields: v1::Camera {
+            fields: settings::Camera {
                 lon_deg: self.lon_deg,
                 lat_deg: self.lat_deg,
                 altitude_m: self.altitude_m,
@@ -98,26 +98,26 @@ impl Twin for CameraSettings {
 }
 
 impl Twin for Quality {
-    type Stored = With<v1::Quality>;
+    type Stored = With<settings::Quality>;
 
     fn from_stored(stored: Self::Stored, _: &At<'_>) -> Result<Self, Fault> {
         let With { fields, extra } = stored;
         let default = Self::default();
         Ok(Self {
             aim: match fields.aim {
-                None | Some(v1::Aim::Adapter) => Aim::Adapter,
-                Some(v1::Aim::Error) => Aim::Error,
-                Some(v1::Aim::FrameTime) => Aim::FrameTime,
+                None | Some(settings::Aim::Adapter) => Aim::Adapter,
+                Some(settings::Aim::Error) => Aim::Error,
+                Some(settings::Aim::FrameTime) => Aim::FrameTime,
             },
             error_px: fields.error_px.unwrap_or(default.error_px),
             colour_window_samples: match fields.colour_window_samples {
-                None | Some(v1::ColourWindow::Auto) => Auto::Auto,
-                Some(v1::ColourWindow::Samples(samples)) => Auto::Value(samples),
+                None | Some(settings::ColourWindow::Auto) => Auto::Auto,
+                Some(settings::ColourWindow::Samples(samples)) => Auto::Value(samples),
             },
             texel_px: fields.texel_px.unwrap_or(default.texel_px),
             mesh_density: match fields.mesh_density {
-                None | Some(v1::MeshDensity::Auto) => Auto::Auto,
-                Some(v1::MeshDensity::Factor(factor)) => Auto::Value(factor),
+                None | Some(settings::MeshDensity::Auto) => Auto::Auto,
+                Some(settings::MeshDensity::Factor(factor)) => Auto::Value(factor),
             },
             frame_budget_ms: fields.frame_budget_ms.unwrap_or(default.frame_budget_ms),
             extra,
@@ -127,21 +127,21 @@ impl Twin for Quality {
     fn to_stored(&self) -> Self::Stored {
         let default = Self::default();
         With {
-            fields: v1::Quality {
+            fields: settings::Quality {
                 aim: match self.aim {
                     Aim::Adapter => None,
-                    Aim::Error => Some(v1::Aim::Error),
-                    Aim::FrameTime => Some(v1::Aim::FrameTime),
+                    Aim::Error => Some(settings::Aim::Error),
+                    Aim::FrameTime => Some(settings::Aim::FrameTime),
                 },
                 error_px: unless_default(self.error_px, &default.error_px),
                 colour_window_samples: match self.colour_window_samples {
                     Auto::Auto => None,
-                    Auto::Value(samples) => Some(v1::ColourWindow::Samples(samples)),
+                    Auto::Value(samples) => Some(settings::ColourWindow::Samples(samples)),
                 },
                 texel_px: unless_default(self.texel_px, &default.texel_px),
                 mesh_density: match self.mesh_density {
                     Auto::Auto => None,
-                    Auto::Value(factor) => Some(v1::MeshDensity::Factor(factor)),
+                    Auto::Value(factor) => Some(settings::MeshDensity::Factor(factor)),
                 },
                 frame_budget_ms: unless_default(self.frame_budget_ms, &default.frame_budget_ms),
             },
@@ -151,7 +151,7 @@ impl Twin for Quality {
 }
 
 impl Twin for Sun {
-    type Stored = With<v1::Sun>;
+    type Stored = With<settings::Sun>;
 
     fn from_stored(stored: Self::Stored, at: &At<'_>) -> Result<Self, Fault> {
         let With { fields, extra } = stored;
@@ -182,7 +182,7 @@ impl Twin for Sun {
             SunAnchor::Place { lon_deg, lat_deg } => (Some(lon_deg), Some(lat_deg)),
         };
         With {
-            fields: v1::Sun {
+            fields: settings::Sun {
                 azimuth_deg: unless_default(self.azimuth_deg, &default.azimuth_deg),
                 elevation_deg: unless_default(self.elevation_deg, &default.elevation_deg),
                 ambient: unless_default(self.ambient, &default.ambient),
