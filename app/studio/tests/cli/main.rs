@@ -3,8 +3,11 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod commands;
+mod files;
+mod matching;
 mod measure;
 mod outputs;
+mod problems;
 #[cfg(feature = "report")]
 mod report;
 mod shared;

@@ -6,6 +6,12 @@ use std::path::Path;
 use relievo_engine::raster::Cancel;
 use serde_json::Value;
 
+/// A project without files: hills of noise, coloured by height.
+pub(crate) const NOISE: &str = r##"{"version": 1, "layers": [
+    {"id": "hills", "name": "Hills", "kind": "noise", "amplitude_m": 900.0, "wavelength_m": 500000.0, "octaves": 6},
+    {"id": "tint", "name": "Tint", "kind": "tint",
+     "stops": [{"height_m": -500.0, "colour": "#102030"}, {"height_m": 500.0, "colour": "#f0e0d0"}]}]}"##;
+
 /// What a run of the program gives.
 pub(crate) struct Run {
     pub(crate) code: u8,
