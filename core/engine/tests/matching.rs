@@ -2,17 +2,18 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+#[path = "common/pictures.rs"]
+mod pictures;
 
+use std::path::{Path, PathBuf};
+
+use pictures::{Square, write_picture};
 use relievo_engine::analysis::Task;
 use relievo_engine::analysis::colour::{Difference, Lab, MatchMethod, ciede2000};
 use relievo_engine::project::{
     Adjust, Edit, ImageryLayer, Layer, LayerId, LayerKind, Project, Resampling, Source,
 };
-use relievo_engine::raster::file::Georeference;
-use relievo_engine::raster::write::{CogLayout, CogSamples, CogWork, write_cog};
-use relievo_engine::raster::{Bands, Block, Cancel, PixelRect};
+use relievo_engine::raster::Cancel;
 use relievo_engine::{Bake, Engine, EngineOptions, MatchTarget, Output};
 
 const METHODS: [MatchMethod; 3] = [
@@ -21,12 +22,12 @@ const METHODS: [MatchMethod; 3] = [
     MatchMethod::Regression,
 ];
 
-/// Pixels along a side: fewer than places are compared.
-const SIDE: u32 = 100;
-/// Degrees from pixel to pixel.
-const PIXEL_DEG: f64 = 0.001;
-/// Western and southern edge in degrees.
-const CORNER: [f64; 2] = [10.0, 45.0];
+/// Fewer pixels than places are compared.
+const SQUARE: Square = Square {
+    corner: [10.0, 45.0],
+    side: 100,
+    pixel_deg: 0.001,
+};
 
 /// Ground of many colours, by pixel.
 fn ground(x: u32, y: u32) -> [f64; 3] {
@@ -50,38 +51,6 @@ fn elsewhere(x: u32, y: u32) -> [f64; 3] {
         0.9 * g.powf(0.6) + 0.05,
         0.7 * b.powf(1.4) + 0.15 * r,
     ]
-}
-
-fn write(path: &Path, colour: fn(u32, u32) -> [f64; 3]) {
-    let [west, south] = CORNER;
-    let north = south + PIXEL_DEG * f64::from(SIDE);
-    let layout = CogLayout {
-        width: SIDE,
-        height: SIDE,
-        samples: CogSamples::Rgb8,
-        tile: 256,
-        georeference: Some(Georeference {
-            crs: Arc::from("EPSG:4326"),
-            plane_from_pixel: [west, PIXEL_DEG, 0.0, north, 0.0, -PIXEL_DEG],
-        }),
-        largest_classic_bytes: CogLayout::LARGEST_CLASSIC_BYTES,
-    };
-    let source = |rect: PixelRect| {
-        let mut block = Block::new(Bands::Colour, rect.width as usize, rect.height as usize);
-        let [red, green, blue, alpha] = block.planes_mut();
-        for i in 0..red.len() {
-            let (x, y) = (i as u32 % rect.width, i as u32 / rect.width);
-            [red[i], green[i], blue[i]] = colour(rect.x + x, rect.y + y).map(|v| v as f32);
-            alpha[i] = 1.0;
-        }
-        Ok(block)
-    };
-    let work = CogWork {
-        threads: 1,
-        resume: None,
-        cancel: &Cancel::default(),
-    };
-    write_cog(path, &layout, &source, &work, &mut |_| {}).unwrap();
 }
 
 /// A layer whose pixels are not mixed with each other.
@@ -108,10 +77,10 @@ fn engine(layers: Vec<Layer>) -> Engine {
 }
 
 /// The two pictures as files.
-fn pictures(folder: &Path) -> [PathBuf; 2] {
+fn both(folder: &Path) -> [PathBuf; 2] {
     let files = ["below.tif", "above.tif"].map(|name| folder.join(name));
-    write(&files[0], elsewhere);
-    write(&files[1], ground);
+    write_picture(&files[0], SQUARE, elsewhere);
+    write_picture(&files[1], SQUARE, ground);
     files
 }
 
@@ -160,7 +129,7 @@ fn each_match(files: &[PathBuf; 2], mut see: impl FnMut(&str, Difference, usize,
 #[test]
 fn what_a_match_foretells_is_what_is_measured_once_it_is_made() {
     let folder = tempfile::tempdir().unwrap();
-    let files = pictures(folder.path());
+    let files = both(folder.path());
     each_match(&files, |name, foretold, places, engine| {
         // The pictures do not come to agree, or there would be nothing to foretell.
         assert!(foretold.mean > 1.0, "{name}: {foretold:?}");
@@ -180,13 +149,13 @@ fn what_a_match_foretells_is_what_is_measured_once_it_is_made() {
 #[test]
 fn what_a_match_foretells_is_what_the_baked_picture_has_but_for_its_8_bits() {
     let folder = tempfile::tempdir().unwrap();
-    let files = pictures(folder.path());
-    let [west, south] = CORNER;
-    let side_deg = PIXEL_DEG * f64::from(SIDE);
+    let files = both(folder.path());
+    let [west, south] = SQUARE.corner;
+    let side_deg = SQUARE.pixel_deg * f64::from(SQUARE.side);
     let bake = Bake {
         output: Output::Colour,
         bounds: [west, south, west + side_deg, south + side_deg],
-        resolution: PIXEL_DEG,
+        resolution: SQUARE.pixel_deg,
         crs: "EPSG:4326".to_owned(),
     };
     let bound = half_a_step();

@@ -5,12 +5,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::collections::{BTreeMap, HashMap};
+#[path = "common/screen.rs"]
+mod screen;
+
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use glam::I64Vec2;
 use relievo_engine::planet::Camera;
 use relievo_engine::project::{
     Adjust, Blend, Edit, Layer, LayerId, LayerKind, Noise, NoiseLayer, NoiseMode, Project,
@@ -18,8 +19,9 @@ use relievo_engine::project::{
 };
 use relievo_engine::raster::file::Georeference;
 use relievo_engine::raster::write::{CogLayout, CogSamples, CogWork, write_cog};
-use relievo_engine::raster::{Bands, Block, Cancel, PixelRect, Sample};
-use relievo_engine::{ClipKind, Engine, EngineOptions, Frame, Upload, View};
+use relievo_engine::raster::{Bands, Block, Cancel, PixelRect};
+use relievo_engine::{Engine, EngineOptions, View};
+use screen::picture;
 
 /// Bound of the tile cache, less than what two views need.
 const MEMORY: usize = 40 << 20;
@@ -194,98 +196,6 @@ fn act(engine: &mut Engine, random: &mut Random) {
             }
         }
     }
-}
-
-/// The textures of a front-end.
-#[derive(Default)]
-struct Textures(HashMap<(ClipKind, u32), Vec<[u8; 4]>>);
-
-impl Textures {
-    fn store(&mut self, upload: &Upload, side: usize) {
-        let layer = self
-            .0
-            .entry((upload.clipmap, upload.layer))
-            .or_insert_with(|| vec![[0; 4]; side * side]);
-        for y in 0..upload.size[1] {
-            for x in 0..upload.size[0] {
-                let at = [upload.source[0] + x, upload.source[1] + y];
-                let texel = match upload.tile.bytes() {
-                    Some(bytes) => {
-                        let first = 4 * (at[1] * 256 + at[0]) as usize;
-                        [
-                            bytes[first],
-                            bytes[first + 1],
-                            bytes[first + 2],
-                            bytes[first + 3],
-                        ]
-                    }
-                    None => match upload.tile.sample(0, 0) {
-                        Sample::Height(h) => h.to_le_bytes(),
-                        Sample::Rgba8(rgba) => rgba,
-                        Sample::Normal([east, north]) => {
-                            let ([a, b], [c, d]) = (east.to_le_bytes(), north.to_le_bytes());
-                            [a, b, c, d]
-                        }
-                        other @ (Sample::Rgba16F(_)
-                        | Sample::Rgba32F(_)
-                        | Sample::Mask(_)
-                        | Sample::Mask32F(_)) => {
-                            panic!("no clipmap stores {other:?}")
-                        }
-                    },
-                };
-                let (x, y) = (upload.storage[0] + x, upload.storage[1] + y);
-                layer[y as usize * side + x as usize] = texel;
-            }
-        }
-    }
-
-    /// The texels of the tiles that a frame's picture reads, by tile.
-    fn read_by(&self, frame: &Frame) -> BTreeMap<String, Vec<[u8; 4]>> {
-        let mut tiles = BTreeMap::new();
-        let stacks = [
-            (ClipKind::Height, &frame.heights, &frame.plan.heights),
-            (ClipKind::Colour, &frame.colours, &frame.plan.colours),
-            (ClipKind::Normal, &frame.normals, &frame.plan.colours),
-        ];
-        for (kind, views, plans) in stacks {
-            for (view, plan) in views.iter().zip(plans) {
-                assert_eq!(view.window, plan.window, "windows have their final shape");
-                for key in plan.wanted_tiles() {
-                    let rect = plan.window.tile_rect(key).unwrap();
-                    let rect = rect.intersection(&plan.window.rect);
-                    let layer = &self.0[&(kind, view.layer)];
-                    let mut texels = Vec::new();
-                    for y in rect.min.y..rect.max.y {
-                        for x in rect.min.x..rect.max.x {
-                            let at = plan.window.storage_of(I64Vec2::new(x, y));
-                            let row = at.y as usize * plan.window.size as usize;
-                            texels.push(layer[row + at.x as usize]);
-                        }
-                    }
-                    tiles.insert(format!("{kind:?} {key}"), texels);
-                }
-            }
-        }
-        tiles
-    }
-}
-
-/// All tiles of the picture as a front-end has them that lost its device and got everything again.
-fn picture(engine: &mut Engine) -> BTreeMap<String, Vec<[u8; 4]>> {
-    let mut textures = Textures::default();
-    engine.forget_uploads();
-    for _ in 0..20_000 {
-        let frame = engine.drain(f32::INFINITY).unwrap();
-        for upload in &frame.uploads {
-            textures.store(upload, 256);
-        }
-        if frame.is_converged() && frame.uploads.is_empty() && frame.plan.settled {
-            return textures.read_by(&frame);
-        }
-        engine.wait(Duration::from_millis(20));
-    }
-    panic!("does not converge: {:?}", engine.stats());
 }
 
 /// Names of this program's threads that the engine started.

@@ -40,6 +40,8 @@ pub(super) struct State {
 }
 
 impl State {
+    /// Nothing is wanted yet. `memory` bounds the cache in bytes; what costs at least `dear` is stored once
+    /// nothing was done for `calm`.
     pub(super) fn new(
         memory: usize,
         calm: Duration,
