@@ -1,9 +1,9 @@
 //! A slider of one visible imagery layer: from the change to the moment at which every tile that the
 //! picture selects is made and handed over, as a window sees it, without drawing.
 //!
-//! `cargo bench -p relievo-engine --bench slider [-- PROJECT] [--stack N]`; the topmost visible imagery layer
-//! of the project (`projects/earth.relievo`) is changed 60 times in three places, with `--stack` under N - 1 copies
-//! of itself, each adjusted and seen through. Times of the processor, of workers and of
+//! `cargo bench -p relievo-engine --bench slider [-- PROJECT] [--stack N] [--place NAME] [--changes N]`; the topmost
+//! visible imagery layer of the project (`projects/earth.relievo`) is changed 60 times in three places, with
+//! `--stack` under N - 1 copies of itself, each adjusted and seen through. Times of the processor, of workers and of
 //! the thread that asks, do not count other load on the machine.
 
 #![expect(clippy::print_stdout, reason = "a bench says what it found")]
@@ -17,10 +17,8 @@ use std::time::{Duration, Instant};
 
 use processor::{own_ns, worker_ns};
 use relievo_engine::planet::Camera;
-use relievo_engine::project::{Adjust, Edit, LayerId, LayerKind};
+use relievo_engine::project::{Adjust, ColourDetail, DetailBy, Edit, LayerId, LayerKind};
 use relievo_engine::{Engine, EngineOptions, View};
-
-const CHANGES: usize = 60;
 
 /// What is drawn from where: name, longitude, latitude, altitude, heading, pitch.
 const PLACES: [(&str, [f64; 5]); 3] = [
@@ -93,23 +91,53 @@ type Step = fn(LayerId, usize) -> Edit;
 
 fn gamma(id: LayerId, i: usize) -> Edit {
     let adjust = Adjust {
-        gamma: 1.05 + 0.01 * i as f64,
+        gamma: 1.05 + 0.001 * (i % 1000) as f64,
         ..Adjust::default()
     };
     Edit::SetAdjust { id, adjust }
 }
 
 fn opacity(id: LayerId, i: usize) -> Edit {
-    let opacity = 0.2 + 0.01 * i as f64;
+    let opacity = 0.2 + 0.0007 * (i % 1000) as f64;
     Edit::SetOpacity { id, opacity }
 }
 
+fn edge_fade(id: LayerId, i: usize) -> Edit {
+    let edge_fade_m = 100.0 + 2.0 * i as f64;
+    Edit::SetEdgeFade { id, edge_fade_m }
+}
+
+fn seam_blend(id: LayerId, i: usize) -> Edit {
+    let seam_blend_m = 200.0 + i as f64;
+    Edit::SetSeamBlend { id, seam_blend_m }
+}
+
+/// Noise finer than the file.
+fn amount(id: LayerId, i: usize) -> Edit {
+    let mut detail = ColourDetail::new(DetailBy::Noise);
+    detail.strength = 0.5 + 0.001 * (i % 1000) as f64;
+    Edit::SetColourDetail {
+        id,
+        detail: vec![detail],
+    }
+}
+
+const SLIDERS: [(&str, Step); 5] = [
+    ("gamma", gamma),
+    ("opacity", opacity),
+    ("edge fade", edge_fade),
+    ("seam blend", seam_blend),
+    ("amount of noise", amount),
+];
+
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let (mut named, mut layers) = (None, 1);
+    let (mut named, mut layers, mut only, mut changes) = (None, 1, None, 60);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--stack" => layers = arguments.next().and_then(|n| n.parse().ok()).unwrap(),
+            "--changes" => changes = arguments.next().and_then(|n| n.parse().ok()).unwrap(),
+            "--place" => only = arguments.next(),
             flag if flag.starts_with("--") => {}
             file => named = Some(file.to_owned()),
         }
@@ -121,7 +149,10 @@ fn main() {
     println!("| view | slider | tiles made | median ms | p95 ms | workers | asking |");
     println!("|---|---|---|---|---|---|---|");
     for (place, [lon, lat, altitude_m, heading, pitch]) in PLACES {
-        for (name, step) in [("gamma", gamma as Step), ("opacity", opacity)] {
+        if only.as_ref().is_some_and(|only| only != place) {
+            continue;
+        }
+        for (name, step) in SLIDERS {
             let (mut engine, _) = Engine::open(&project, EngineOptions::default()).unwrap();
             engine.wait_for_sources();
             engine.set_view(View {
@@ -142,7 +173,7 @@ fn main() {
             settle(&mut engine);
             let made = engine.stats().tiles.made;
             let (workers, own) = (worker_ns(), own_ns());
-            let mut times: Vec<f64> = (1..=CHANGES)
+            let mut times: Vec<f64> = (1..=changes)
                 .map(|i| {
                     let revision = engine.drain(0.0).unwrap().revision;
                     let start = Instant::now();
@@ -150,14 +181,14 @@ fn main() {
                     shown_ms(&mut engine, start, revision)
                 })
                 .collect();
-            let a_change = |ns: u64| ns as f64 / 1e6 / CHANGES as f64;
+            let a_change = |ns: u64| ns as f64 / 1e6 / changes as f64;
             let (workers, own) = (a_change(worker_ns() - workers), a_change(own_ns() - own));
             times.sort_by(f64::total_cmp);
-            let made = (engine.stats().tiles.made - made) as f64 / CHANGES as f64;
+            let made = (engine.stats().tiles.made - made) as f64 / changes as f64;
             println!(
                 "| {place} | {name} | {made:.0} | {:.0} | {:.0} | {workers:.1} | {own:.1} |",
-                times[CHANGES / 2],
-                times[CHANGES * 95 / 100]
+                times[changes / 2],
+                times[changes * 95 / 100]
             );
         }
     }

@@ -89,6 +89,7 @@ pub(crate) struct Compiled {
     pub(crate) problems: Vec<Message>,
     /// What the compiled graph leaves out, and why, for statistics.
     pub(crate) left_out: Vec<(LayerId, &'static str)>,
+    pub(crate) mixed_apart: bool,
 }
 
 impl Compiled {
@@ -102,15 +103,25 @@ impl Compiled {
             self.layers,
             self.details,
             self.left_out,
+            self.mixed_apart,
         )
     }
+}
+
+/// The layer that is being edited.
+#[derive(Clone, Copy)]
+pub(crate) struct Pinned<'a> {
+    pub(crate) layer: &'a LayerId,
+    /// Whether it changes from moment to moment: what lies above it is then kept too, put together by
+    /// itself, which rounds otherwise than layer by layer.
+    pub(crate) dragged: bool,
 }
 
 /// What a graph shall serve, besides what the project says.
 #[derive(Default)]
 pub(crate) struct Wish<'a> {
-    /// The layer that is being edited: what lies below it is kept.
-    pub(crate) pinned: Option<&'a LayerId>,
+    /// The layer that is being edited: what lies around it is kept.
+    pub(crate) pinned: Option<Pinned<'a>>,
     /// Colours over all others that say how the ground differs from that of another project.
     pub(crate) difference: Option<(&'a Project, HeightDifference)>,
     /// Colours over all others where heights or colours are synthesised.
@@ -140,6 +151,7 @@ pub(crate) fn compile(
         details: Vec::new(),
         problems: Vec::new(),
         left_out: Vec::new(),
+        mixed_apart: false,
     };
     compiler.builder.keep_artefacts(nodes.elements.artefacts());
     let ground = compiler.heights(project);
@@ -182,6 +194,7 @@ pub(crate) fn compile(
         details: compiler.details,
         problems: compiler.problems,
         left_out: compiler.left_out,
+        mixed_apart: compiler.mixed_apart,
     }
 }
 
@@ -205,6 +218,7 @@ struct Compiler<'a> {
     details: Vec<Detail>,
     problems: Vec<Message>,
     left_out: Vec<(LayerId, &'static str)>,
+    mixed_apart: bool,
 }
 
 impl Compiler<'_> {

@@ -16,7 +16,6 @@ mod revisions;
 mod survey;
 mod tally;
 
-use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -29,6 +28,7 @@ use relievo_planet::clipmap::plan::HeightRange;
 use relievo_planet::clipmap::{Plan, Planner};
 use relievo_project::{History, LayerId, Project, ScenarioId};
 use relievo_tiles::{LogEntry, TileState, Tiles};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use self::ahead::Ahead;
 pub use self::keeping::Guarded;
@@ -87,6 +87,8 @@ pub struct Engine {
     planner: Planner,
     /// Finest levels n of heights and colours that the data is worth near the focus.
     finest: (u8, u8),
+    /// What they were found for: a revision, a focus, samples of the windows.
+    finest_for: Option<(u64, MapPoint, [u32; 2])>,
     ahead: Ahead,
     /// Tiles asked for along the path, at most.
     prefetch: usize,
@@ -96,8 +98,10 @@ pub struct Engine {
     planned_on: (Bounds, f64),
     stacks: Stacks,
     /// Finished tiles that no window has taken yet.
-    arrived: HashMap<ContentId, TileState>,
-    asked: HashSet<ContentId>,
+    arrived: FxHashMap<ContentId, TileState>,
+    asked: FxHashSet<ContentId>,
+    /// Those of them that the shown revision reads too: they are shown as they come.
+    asked_for_shown: FxHashSet<ContentId>,
     dirty: bool,
     pending: usize,
     /// Bodies on the ground, while some layer has any.
@@ -173,6 +177,7 @@ impl Engine {
             view: None,
             planner: Planner::default(),
             finest: (0, 0),
+            finest_for: None,
             ahead: Ahead::default(),
             prefetch,
             plan: None,
@@ -189,8 +194,9 @@ impl Engine {
                 colour: Stack::new(ClipKind::Colour),
                 normal: Stack::new(ClipKind::Normal),
             },
-            arrived: HashMap::new(),
-            asked: HashSet::new(),
+            arrived: FxHashMap::default(),
+            asked: FxHashSet::default(),
+            asked_for_shown: FxHashSet::default(),
             dirty: true,
             pending: 0,
             unseen: Mutex::default(),

@@ -18,6 +18,7 @@ use relievo_planet::clipmap::{LevelPlan, TileSet, Window, choose};
 use relievo_planet::{LevelKey, MapPoint, SampleRect, TILE_SAMPLES, TileKey};
 use relievo_raster::{Sample, Tile};
 use relievo_tiles::TileState;
+use rustc_hash::FxHashMap;
 
 use crate::frame::{ClipKind, LevelView, Upload};
 
@@ -32,7 +33,7 @@ pub(crate) struct Stack {
 
 struct Level {
     plan: LevelPlan,
-    slots: HashMap<TileKey, Slot>,
+    slots: FxHashMap<TileKey, Slot>,
     valid: ValidRect,
     /// The part of `valid` that has faded in already.
     settled: ValidRect,
@@ -225,7 +226,7 @@ impl Level {
     fn new(plan: LevelPlan) -> Self {
         Self {
             plan,
-            slots: HashMap::new(),
+            slots: FxHashMap::default(),
             valid: NOTHING,
             settled: NOTHING,
             fade: 1.0,

@@ -12,6 +12,7 @@ use relievo_planet::{Grid, LevelKey, MapPoint, TileKey};
 use relievo_project::{Element, LayerId};
 use relievo_raster::Bands;
 use relievo_tiles::Want;
+use rustc_hash::FxHashMap;
 
 use crate::ClipKind;
 
@@ -32,11 +33,13 @@ pub(crate) struct Scene {
     details: Vec<Detail>,
     /// Layers that the graph leaves out, and why.
     pub(crate) left_out: Vec<(LayerId, &'static str)>,
-    names: Mutex<HashMap<NodeIndex, Names>>,
+    /// Whether layers were mixed by themselves before they went over those below: colours round otherwise.
+    pub(crate) mixed_apart: bool,
+    names: Mutex<FxHashMap<NodeIndex, Names>>,
 }
 
 /// Names of a node's tiles, shared with later revisions for which they are the same.
-type Names = Arc<Mutex<HashMap<TileKey, ContentId>>>;
+type Names = Arc<Mutex<FxHashMap<TileKey, ContentId>>>;
 
 /// The cut points that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,8 +107,9 @@ impl Scene {
         layers: LayerNodes,
         details: Vec<Detail>,
         left_out: Vec<(LayerId, &'static str)>,
+        mixed_apart: bool,
     ) -> Self {
-        let mut names = HashMap::new();
+        let mut names = FxHashMap::default();
         if let Some(last) = last {
             let shared = graph.shared_with(&last.graph);
             let known = last.names.lock();
@@ -120,6 +124,7 @@ impl Scene {
             layers,
             details,
             left_out,
+            mixed_apart,
             names: Mutex::new(names),
         }
     }

@@ -4,14 +4,12 @@ use std::sync::Arc;
 
 use relievo_graph::NodeIndex;
 use relievo_graph::nodes::{Adjust, BlendMode, Constant, Overlay, SlopeAngle, Vector};
-use relievo_project::{
-    Adjust as ProjectAdjust, Blend, Layer, LayerId, LayerKind, Project, VectorLayer,
-};
+use relievo_project::{Adjust as ProjectAdjust, Blend, Layer, LayerKind, Project, VectorLayer};
 use relievo_raster::SampleType;
 use relievo_vector::Drawing;
 
 use super::adjustment;
-use super::{Compiler, Ground, level_of_step, relief};
+use super::{Compiler, Ground, Pinned, level_of_step, relief};
 use crate::message::{Message, Severity};
 use crate::scene::Detail;
 use crate::sources::SourceState;
@@ -22,9 +20,12 @@ impl Compiler<'_> {
         &mut self,
         project: &Project,
         ground: Ground,
-        pinned: Option<&LayerId>,
+        pinned: Option<Pinned<'_>>,
     ) -> Option<NodeIndex> {
         let mut below: Option<NodeIndex> = None;
+        // Layers above a dragged one, put together by themselves.
+        let mut above: Option<NodeIndex> = None;
+        let mut is_above = false;
         for layer in &project.layers {
             let is_colour = matches!(
                 layer.kind,
@@ -37,16 +38,36 @@ impl Compiler<'_> {
             if !is_colour || !self.takes_part(project, layer) {
                 continue;
             }
-            if let (true, Some(below)) = (pinned == Some(&layer.id), below) {
+            if is_above && mixes_alone(layer) {
+                above = self.colour_layer(layer, project, above, ground).or(above);
+                continue;
+            }
+            below = self.lay_kept_over(below, above.take());
+            let pinned = pinned.filter(|pinned| *pinned.layer == layer.id);
+            if let (Some(_), Some(below)) = (pinned, below) {
                 // What lies below the layer that is being edited is kept as exact f32, so that a
                 // slider never evaluates it again. Exact, so no byte of the result changes.
                 self.pin(below);
             }
-            if let Some(over) = self.colour_layer(layer, project, below, ground) {
-                below = Some(over);
-            }
+            is_above |= pinned.is_some_and(|pinned| pinned.dragged);
+            below = self.colour_layer(layer, project, below, ground).or(below);
         }
+        below = self.lay_kept_over(below, above);
         self.element_colours(project, below)
+    }
+
+    /// Layers that were put together by themselves over what lies below them: kept, so that what changes
+    /// below is mixed with all of them at once. To mix is associative, its rounding is not: colours
+    /// differ by some 10⁻⁶ from those of layer after layer.
+    fn lay_kept_over(
+        &mut self,
+        below: Option<NodeIndex>,
+        above: Option<NodeIndex>,
+    ) -> Option<NodeIndex> {
+        let Some(above) = above else { return below };
+        self.pin(above);
+        self.mixed_apart = true;
+        Some(self.lay_over(below, above))
     }
 
     /// Planning elements' own colours over all layers.
@@ -218,6 +239,23 @@ impl Compiler<'_> {
         });
         Some(self.add(layer, node, &[]))
     }
+}
+
+/// Whether a layer only covers what lies below it, more or less, without looking at it.
+fn mixes_alone(layer: &Layer) -> bool {
+    let blend = match &layer.kind {
+        LayerKind::Imagery(imagery) if imagery.seam_blend_m > 0.0 => return false,
+        LayerKind::Imagery(imagery) => imagery.blend,
+        LayerKind::Tint(tint) => tint.blend,
+        LayerKind::Slope(slope) => slope.blend,
+        LayerKind::Contours(contours) => contours.blend,
+        LayerKind::Vector(_)
+        | LayerKind::Height(_)
+        | LayerKind::Noise(_)
+        | LayerKind::Detail(_)
+        | LayerKind::Unknown { .. } => Blend::Normal,
+    };
+    blend == Blend::Normal
 }
 
 fn blend_mode(blend: Blend) -> BlendMode {

@@ -1,12 +1,11 @@
 //! Where the camera is going, and what will be visible there: prefetched after all that is visible
 //! now, so that it costs nothing while visible work is waiting.
 
-use std::collections::HashSet;
-
 use relievo_graph::ContentId;
 use relievo_planet::camera::PathAhead;
 use relievo_planet::clipmap::{Plan, PlanInput, Planner};
 use relievo_tiles::{Focus, Want};
+use rustc_hash::FxHashSet;
 
 use super::Engine;
 use super::asking::named;
@@ -50,7 +49,7 @@ impl Engine {
         &self,
         scene: &Scene,
         plan: &Plan,
-        asked: &HashSet<ContentId>,
+        asked: &FxHashSet<ContentId>,
     ) -> (Vec<Want>, Focus) {
         let mut focus = Focus {
             finest: finest(plan),
@@ -60,7 +59,7 @@ impl Engine {
         let Some(view) = self.view else {
             return (wants, focus);
         };
-        let mut told = HashSet::new();
+        let mut told = FxHashSet::default();
         for seconds in AHEAD_S {
             let Some(camera) = self.ahead.path.after(seconds) else {
                 break;

@@ -6,6 +6,7 @@ use relievo_graph::ContentId;
 use relievo_planet::TileKey;
 use relievo_planet::clipmap::ClipKind as PlanKind;
 use relievo_tiles::{Focus, TileState, Want};
+use rustc_hash::FxHashSet;
 
 use super::Engine;
 use crate::frame::{ClipKind, Upload};
@@ -36,8 +37,9 @@ impl Engine {
                 self.messages.tile_failed(error);
             }
             if asked {
+                // What only the revision that is being made reads waits until all of it is there.
+                self.dirty |= self.making.is_none() || self.asked_for_shown.contains(&done.id);
                 self.arrived.insert(done.id, done.state);
-                self.dirty = true;
             }
         }
     }
@@ -73,19 +75,21 @@ impl Engine {
     /// the camera's path. The rest of the windows is not asked for: see `docs/reports/scheduling.md`.
     pub(super) fn ask(&mut self, prefetch: bool) {
         if !std::mem::take(&mut self.dirty) {
+            let arrived = |id| self.arrived.contains_key(id);
+            self.pending = self.asked.iter().filter(|id| !arrived(id)).count();
             return;
         }
         let scene = Arc::clone(self.target());
         let Some(plan) = self.plan.clone() else {
             return;
         };
-        let mut wants: Vec<Want> = Vec::new();
         let tiles = if self.making.is_some() {
             plan.selected_tiles()
         } else {
             plan.wanted_tiles()
         };
-        self.missing(&scene, tiles, &mut wants);
+        let (mut wants, for_shown) = self.missing(&scene, tiles);
+        self.asked_for_shown = for_shown;
         self.pending = wants
             .iter()
             .filter(|w| !self.arrived.contains_key(&w.id))
@@ -105,16 +109,27 @@ impl Engine {
         self.tiles.want(wants, focus);
     }
 
-    fn missing(&self, scene: &Scene, tiles: Vec<(PlanKind, TileKey)>, wants: &mut Vec<Want>) {
+    /// Tiles of a revision that no window has, and the names of those that the shown one reads too.
+    fn missing(
+        &self,
+        scene: &Scene,
+        tiles: Vec<(PlanKind, TileKey)>,
+    ) -> (Vec<Want>, FxHashSet<ContentId>) {
+        let mut wants = Vec::new();
+        let mut for_shown = FxHashSet::default();
         for (kind, key) in tiles {
             for (kind, key, id) in named(scene, kind, key) {
-                if let (false, Some(root)) =
-                    (self.stacks.get(kind).holds(key, id), scene.root(kind))
-                {
-                    wants.push(scene.want(root, key));
+                if self.stacks.get(kind).holds(key, id) {
+                    continue;
+                }
+                wants.extend(scene.root(kind).map(|root| scene.want(root, key)));
+                let shown = self.shown.root(kind);
+                if shown.is_some_and(|root| self.shown.name(root, key) == id) {
+                    for_shown.insert(id);
                 }
             }
         }
+        (wants, for_shown)
     }
 }
 

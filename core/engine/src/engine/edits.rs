@@ -37,6 +37,8 @@ impl Engine {
 
     /// Ends a drag.
     pub fn end_drag(&mut self) {
+        // To the last bit as if nobody had dragged.
+        self.stale |= self.target().mixed_apart;
         self.history.end_drag(&self.project);
     }
 
@@ -153,7 +155,15 @@ impl Engine {
                     self.stale = true;
                     let edits_value = matches!(
                         aspect,
-                        Aspect::Adjust | Aspect::Opacity | Aspect::Blend | Aspect::Mask
+                        Aspect::Adjust
+                            | Aspect::Opacity
+                            | Aspect::Blend
+                            | Aspect::Mask
+                            | Aspect::Resampling
+                            | Aspect::EdgeFade
+                            | Aspect::Noise
+                            | Aspect::Tint
+                            | Aspect::Style
                     );
                     self.pinned = edits_value.then(|| id.clone());
                 }

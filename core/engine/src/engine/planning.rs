@@ -91,10 +91,12 @@ impl Engine {
         self.planned_on = (terrain, ground_m);
         let near = self.plan.as_ref().map_or(below, |p| p.focus);
         let target = self.target();
-        self.finest = (
-            target.finest_near(near, view.layout.height_window),
-            target.finest_near(near, view.colour_window),
-        );
+        let windows = [view.layout.height_window, view.colour_window];
+        let found_for = Some((target.revision, near, windows));
+        if self.finest_for != found_for {
+            let [heights, colours] = windows.map(|size| target.finest_near(near, size));
+            (self.finest, self.finest_for) = ((heights, colours), found_for);
+        }
         let asked = self.plan_query(view);
         if self.planned_for == Some(asked) && self.follows() {
             // Tiles arrived or have other names: nothing that a plan depends on.

@@ -11,7 +11,7 @@ use relievo_planet::TileKey;
 use super::Engine;
 use super::asking::named;
 use super::overlays::Synthesised;
-use crate::compile;
+use crate::compile::{self, Pinned};
 use crate::frame::ClipKind;
 use crate::scenarios::as_shown;
 use crate::scene::Scene;
@@ -34,7 +34,10 @@ impl Engine {
         let compared = self.difference.as_ref();
         let compared = compared.map(|(of, by)| (as_shown(&self.project, of.as_ref()), *by));
         let wish = compile::Wish {
-            pinned: self.pinned.as_ref(),
+            pinned: self.pinned.as_ref().map(|layer| Pinned {
+                layer,
+                dragged: self.history.is_dragging(),
+            }),
             difference: compared.as_ref().map(|(other, by)| (&**other, *by)),
             synthesised: self.synthesised == Synthesised::Coloured,
             marks: &self.marks,

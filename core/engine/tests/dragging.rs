@@ -1,0 +1,207 @@
+//! A layer that is dragged under others: what is made again from moment to moment, and what is seen.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::collections::{BTreeMap, HashSet};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use relievo_engine::planet::Camera;
+use relievo_engine::project::{
+    Adjust, Blend, Edit, Extra, Layer, LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer,
+    NoiseMode, Project, Tint, TintInterpolation, TintLayer, TintStop,
+};
+use relievo_engine::raster::Sample;
+use relievo_engine::{ClipKind, Engine, EngineOptions, Upload, View};
+
+/// Height colours, adjusted, seen through.
+fn tint(id: &str, blend: Blend, low: [u8; 3], high: [u8; 3]) -> Layer {
+    let stops = vec![TintStop::new(-2000.0, low), TintStop::new(2000.0, high)];
+    let tint = TintLayer {
+        tint: Tint {
+            stops,
+            interpolation: TintInterpolation::Smooth,
+        },
+        blend,
+        adjust: Adjust {
+            contrast: 1.2,
+            saturation: 0.7,
+            gamma: 1.3,
+            ..Adjust::default()
+        },
+    };
+    let mut layer = Layer::new(LayerId::from(id), id, LayerKind::Tint(tint));
+    layer.opacity = 0.6;
+    layer
+}
+
+/// Colours under four others, one of which shows only on hills.
+fn project(blends: [Blend; 4]) -> Project {
+    let noise = Noise {
+        mode: NoiseMode::Replace,
+        octaves: 8,
+        ..Noise::default()
+    };
+    let hills = LayerKind::Noise(NoiseLayer { noise });
+    let mut layers = vec![
+        Layer::new(LayerId::from("hills"), "hills", hills),
+        tint("lowest", Blend::Normal, [20, 60, 20], [240, 220, 180]),
+        tint("dragged", Blend::Normal, [70, 90, 160], [255, 250, 240]),
+    ];
+    for (k, blend) in blends.into_iter().enumerate() {
+        let k = k as u8;
+        let low = [40 * k, 20, 255 - 60 * k];
+        layers.push(tint(&format!("above-{k}"), blend, low, [250, 60 * k, 90]));
+    }
+    layers[4].mask = Some(Mask {
+        heights: Some(MaskRange {
+            from: 0.0,
+            to: 10_000.0,
+            fade: 300.0,
+            extra: Extra::new(),
+        }),
+        ..Mask::default()
+    });
+    Project {
+        layers,
+        ..Project::default()
+    }
+}
+
+fn engine(blends: [Blend; 4]) -> Engine {
+    let options = EngineOptions {
+        threads: Some(2),
+        log: true,
+        cache_folder: None,
+        ..EngineOptions::default()
+    };
+    let mut engine = Engine::new(project(blends), Path::new("."), options).unwrap();
+    engine.set_view(View {
+        camera: Camera::from_degrees(10.0, 45.0, 2.0e5, 0.0, -60.0, 60.0).unwrap(),
+        viewport_px: [320, 240],
+        layout: relievo_engine::Layout::STANDARD,
+        colour_window: 256,
+        colour_texel_px: 1.0,
+        height_texel_px: 2.0,
+        max_taps: 4,
+    });
+    engine
+}
+
+fn set_gamma(engine: &mut Engine, gamma: f64) {
+    let adjust = Adjust {
+        gamma,
+        ..Adjust::default()
+    };
+    let id = LayerId::from("dragged");
+    engine.apply(Edit::SetAdjust { id, adjust }).unwrap();
+}
+
+/// Colours in the windows: red, green, blue, alpha by level and place in its storage.
+type Colours = BTreeMap<(u32, u32, u32), [u8; 4]>;
+
+/// Copies what goes into windows, as textures do.
+fn copy(upload: &Upload, to: &mut Colours) {
+    let sample = |x: u32, y: u32| match upload.tile.sample(x as usize, y as usize) {
+        Sample::Rgba8(rgba) => rgba,
+        other => panic!("expected colours of 8 bits, found {other:?}"),
+    };
+    for y in 0..upload.size[1] {
+        for x in 0..upload.size[0] {
+            let [left, top] = upload.source;
+            let at = (upload.layer, upload.storage[0] + x, upload.storage[1] + y);
+            to.insert(at, sample(left + x, top + y));
+        }
+    }
+}
+
+/// Drains until the picture is whole and nothing is made; the colours that went into windows since, from
+/// how many tiles, and how many were made.
+fn settle(engine: &mut Engine) -> (Colours, usize, usize) {
+    let mut colours = Colours::new();
+    let mut tiles = HashSet::new();
+    for _ in 0..4000 {
+        let frame = engine.drain(f32::INFINITY).unwrap();
+        for upload in &frame.uploads {
+            if upload.clipmap == ClipKind::Colour {
+                copy(upload, &mut colours);
+                tiles.insert(Arc::as_ptr(&upload.tile));
+            }
+        }
+        let idle = engine.wait(Duration::from_millis(50));
+        if idle && frame.is_converged() && frame.uploads.is_empty() {
+            return (colours, tiles.len(), engine.take_log().len());
+        }
+    }
+    panic!("does not converge: {:?}", engine.stats());
+}
+
+const MIXED: [Blend; 4] = [Blend::Normal; 4];
+const LOOKING_DOWN: [Blend; 4] = [Blend::Normal, Blend::Multiply, Blend::Normal, Blend::Normal];
+
+#[test]
+fn what_lies_around_a_dragged_layer_is_made_for_the_first_change_and_not_again() {
+    for blends in [MIXED, LOOKING_DOWN] {
+        let mut engine = engine(blends);
+        settle(&mut engine);
+        engine.begin_drag();
+        set_gamma(&mut engine, 1.1);
+        let (_, shown, made) = settle(&mut engine);
+        assert!(made > shown, "what is kept, too: {made} for {shown}");
+        set_gamma(&mut engine, 1.2);
+        let (_, shown, made) = settle(&mut engine);
+        assert!(shown > 0);
+        assert_eq!(made, shown, "one tile where one is shown");
+    }
+}
+
+#[test]
+fn a_drag_shows_what_is_right_to_a_255th_and_let_go_to_the_bit() {
+    for blends in [MIXED, LOOKING_DOWN] {
+        let mut typed = engine(blends);
+        settle(&mut typed);
+        set_gamma(&mut typed, 1.4);
+        let (exact, ..) = settle(&mut typed);
+        let mut engine = engine(blends);
+        let (mut shown, ..) = settle(&mut engine);
+        engine.begin_drag();
+        for gamma in [1.2, 1.4] {
+            set_gamma(&mut engine, gamma);
+            shown.extend(settle(&mut engine).0);
+        }
+        let mut off = 0;
+        for (at, exact) in &exact {
+            for (a, b) in exact.iter().zip(shown[at]) {
+                assert!(a.abs_diff(b) <= 1, "{at:?}");
+                off += usize::from(*a != b);
+            }
+        }
+        let values = 4 * exact.len();
+        assert!(off * 1000 < values, "{off} of {values} values differ");
+        engine.end_drag();
+        shown.extend(settle(&mut engine).0);
+        for (at, exact) in &exact {
+            assert_eq!(shown[at], *exact, "{at:?}");
+        }
+    }
+}
+
+#[test]
+fn a_drag_with_nothing_above_ends_without_another_revision() {
+    let mut engine = engine(MIXED);
+    for k in 0..4 {
+        let id = LayerId(format!("above-{k}"));
+        let visible = false;
+        engine.apply(Edit::SetVisible { id, visible }).unwrap();
+    }
+    settle(&mut engine);
+    engine.begin_drag();
+    set_gamma(&mut engine, 1.2);
+    settle(&mut engine);
+    let before = engine.drain(f32::INFINITY).unwrap().revision;
+    engine.end_drag();
+    let (_, shown, made) = settle(&mut engine);
+    assert_eq!((shown, made), (0, 0));
+    assert_eq!(engine.drain(f32::INFINITY).unwrap().revision, before);
+}
