@@ -1,10 +1,10 @@
 //! A slider of one visible imagery layer: from the change to the moment at which every tile that the
 //! picture selects is made and handed over, as a window sees it, without drawing.
 //!
-//! `cargo bench -p relievo-engine --bench slider [-- PROJECT] [--stack N] [--place NAME] [--changes N]`; the topmost
-//! visible imagery layer of the project (`projects/earth.relievo`) is changed 60 times in three places, with
-//! `--stack` under N - 1 copies of itself, each adjusted and seen through. Times of the processor, of workers and of
-//! the thread that asks, do not count other load on the machine.
+//! `cargo bench -p relievo-engine --bench slider [-- PROJECT] [--stack N] [--place NAME] [--slider NAME]
+//! [--changes N] [--threads N]`; the topmost visible imagery layer of the project (`projects/earth.relievo`) is changed 60 times
+//! in four places, with `--stack` under N - 1 copies of itself, each adjusted and seen through. Times of the
+//! processor, of workers and of the thread that asks, do not count other load on the machine.
 
 #![expect(clippy::print_stdout, reason = "a bench says what it found")]
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
@@ -21,10 +21,11 @@ use relievo_engine::project::{Adjust, ColourDetail, DetailBy, Edit, LayerId, Lay
 use relievo_engine::{Engine, EngineOptions, View};
 
 /// What is drawn from where: name, longitude, latitude, altitude, heading, pitch.
-const PLACES: [(&str, [f64; 5]); 3] = [
+const PLACES: [(&str, [f64; 5]); 4] = [
     ("space", [0.0, 20.0, 1.2e7, 0.0, -90.0]),
     ("aircraft", [-111.60, 40.15, 4200.0, 335.0, -12.0]),
     ("ground", [-111.74, 40.35, 1460.0, 62.0, 5.0]),
+    ("low above it", [-111.6416, 40.187, 1750.0, 0.0, -50.0]),
 ];
 
 /// Drains until the picture of the newest revision is whole.
@@ -56,6 +57,13 @@ fn imagery(engine: &Engine) -> LayerId {
         .rev()
         .find(|l| l.visible && matches!(l.kind, LayerKind::Imagery(_)));
     layer.unwrap().id.clone()
+}
+
+fn with(threads: Option<usize>) -> EngineOptions {
+    EngineOptions {
+        threads,
+        ..EngineOptions::default()
+    }
 }
 
 /// Lays copies over the topmost imagery layer until there are `count` of it, each with an adjustment of
@@ -132,12 +140,18 @@ const SLIDERS: [(&str, Step); 5] = [
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let (mut named, mut layers, mut only, mut changes) = (None, 1, None, 60);
+    let (mut named, mut layers, mut changes) = (None, 1, 60);
+    let mut threads = None;
+    let (mut only_place, mut only_slider) = (None, None);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--stack" => layers = arguments.next().and_then(|n| n.parse().ok()).unwrap(),
             "--changes" => changes = arguments.next().and_then(|n| n.parse().ok()).unwrap(),
-            "--place" => only = arguments.next(),
+            "--threads" => {
+                threads = arguments.next().and_then(|n| n.parse().ok());
+            }
+            "--place" => only_place = arguments.next(),
+            "--slider" => only_slider = arguments.next(),
             flag if flag.starts_with("--") => {}
             file => named = Some(file.to_owned()),
         }
@@ -149,11 +163,14 @@ fn main() {
     println!("| view | slider | tiles made | median ms | p95 ms | workers | asking |");
     println!("|---|---|---|---|---|---|---|");
     for (place, [lon, lat, altitude_m, heading, pitch]) in PLACES {
-        if only.as_ref().is_some_and(|only| only != place) {
+        if only_place.as_ref().is_some_and(|only| only != place) {
             continue;
         }
         for (name, step) in SLIDERS {
-            let (mut engine, _) = Engine::open(&project, EngineOptions::default()).unwrap();
+            if only_slider.as_ref().is_some_and(|only| only != name) {
+                continue;
+            }
+            let (mut engine, _) = Engine::open(&project, with(threads)).unwrap();
             engine.wait_for_sources();
             engine.set_view(View {
                 camera: Camera::from_degrees(lon, lat, altitude_m, heading, pitch, 60.0).unwrap(),

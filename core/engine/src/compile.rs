@@ -18,7 +18,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
-use relievo_graph::nodes::{EdgeFade, FileSource};
+use relievo_graph::nodes::{EdgeDistances, FileSource, RangeMask};
 use relievo_graph::{Graph, GraphBuilder, ImageNode, NodeIndex};
 use relievo_planet::{LevelKey, Planet};
 use relievo_project::{Layer, LayerId, LayerKind, NoiseMode, Project, Resampling, Source};
@@ -373,17 +373,21 @@ impl Compiler<'_> {
         let warp = self.warp(layer, file, source)?;
         // Holes that are filled are no edges.
         let filled = matches!(&layer.kind, LayerKind::Imagery(i) if i.missing.is_some());
-        let mask = if filled {
-            self.outline(layer, file, warp, width_m)
-        } else {
-            let name = format!("fade {} {width_m} {:?}", address(file), self.planet);
-            let node = self.nodes.get(&mut self.used, name, || {
-                Arc::new(EdgeFade::new(warp, width_m))
-            });
-            self.add(layer, node, &[])
-        };
+        let name = format!("edge {filled} {} {:?}", address(file), self.planet);
+        let node = self.same(name, || {
+            if filled {
+                EdgeDistances::to_outline(warp)
+            } else {
+                EdgeDistances::new(warp)
+            }
+        });
+        let distances = self.add(layer, node, &[]);
         // Places are dear, and no slider changes them.
-        self.builder.cut(mask, SampleType::Mask32F);
+        self.builder.cut(distances, SampleType::Height);
+        let fade = self.same(format!("fade {width_m}"), || {
+            RangeMask::new(width_m, f64::NAN, width_m)
+        });
+        let mask = self.add(layer, fade, &[distances]);
         Some(vec![base, top, mask])
     }
 }

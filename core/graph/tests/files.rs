@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use relievo_graph::nodes::{Constant, EdgeFade, FileSource, OverlayHeights};
+use relievo_graph::nodes::{Constant, EdgeDistances, FileSource, OverlayHeights, RangeMask};
 use relievo_graph::{Graph, GraphBuilder, ImageNode, Known, NodeIndex};
 use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
 use relievo_raster::file::{Georeference, OverviewInfo, ReadError};
@@ -80,7 +80,9 @@ fn faded(width_m: f64) -> (Graph, NodeIndex) {
         )),
         &[],
     );
-    let fade = b.add(Arc::new(EdgeFade::new(warp, width_m)), &[]);
+    let distances = b.add(Arc::new(EdgeDistances::new(warp)), &[]);
+    let mask = RangeMask::new(width_m, f64::NAN, width_m);
+    let fade = b.add(Arc::new(mask), &[distances]);
     let over = b.add(
         Arc::new(OverlayHeights::new(1.0, true)),
         &[ground, file, fade],

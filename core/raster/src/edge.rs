@@ -89,14 +89,25 @@ impl EdgeDistance {
         self.holes.is_none() && self.has_outline == [false; 3]
     }
 
-    /// Metres from each sample of a grid to the edge: 0 and below outside, infinite without an edge.
+    /// Metres from each sample of a grid to the edge ([`Bands::Height`]): 0 and below outside, [`f32::MAX`]
+    /// without an edge.
     ///
     /// # Errors
     /// [`WarpError`] when the grid's coordinate system is not known.
-    fn distance_m(&self, warp: &Warp, grid: &Grid) -> Result<Vec<f32>, WarpError> {
+    pub fn distances_m(&self, warp: &Warp, grid: &Grid) -> Result<Block, WarpError> {
+        let mut block = Block::new(
+            Bands::Height,
+            grid.rect.width() as usize,
+            grid.rect.height() as usize,
+        );
+        let out = block.plane_mut(0);
+        if self.is_endless() {
+            out.fill(f32::MAX);
+            return Ok(block);
+        }
+        out.fill(0.0);
         let full = warp.file().info().overviews[0];
         let (width, height) = (f64::from(full.width), f64::from(full.height));
-        let mut out = vec![0.0; (grid.rect.width() * grid.rect.height()) as usize];
         // Of the row before: rows of a source that lies as the grid does are all one latitude, and
         // in a projected one all pixels are alike.
         let alike = warp.pixels_are_alike();
@@ -125,34 +136,6 @@ impl EdgeDistance {
             }
             out[sample] = distance as f32;
         })?;
-        Ok(out)
-    }
-
-    /// Weights of the source on a grid ([`Bands::Mask`]): 0 at its edge and outside, rising
-    /// smoothly (3 t² − 2 t³) to 1 at `width_m` metres inside. A width of 0 or less gives 1 inside
-    /// and 0 outside.
-    ///
-    /// # Errors
-    /// [`WarpError`] when the grid's coordinate system is not known.
-    pub fn weight(&self, warp: &Warp, grid: &Grid, width_m: f64) -> Result<Block, WarpError> {
-        let (width, height) = (grid.rect.width() as usize, grid.rect.height() as usize);
-        if self.is_endless() {
-            return Ok(Block::filled(Bands::Mask, width, height, &[1.0]));
-        }
-        let mut block = Block::new(Bands::Mask, width, height);
-        let width_m = width_m as f32;
-        for (weight, distance) in block
-            .plane_mut(0)
-            .iter_mut()
-            .zip(self.distance_m(warp, grid)?)
-        {
-            *weight = if width_m > 0.0 {
-                let t = (distance / width_m).clamp(0.0, 1.0);
-                t * t * (3.0 - 2.0 * t)
-            } else {
-                f32::from(u8::from(distance > 0.0))
-            };
-        }
         Ok(block)
     }
 }

@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use relievo_graph::NodeIndex;
 use relievo_graph::nodes::{
-    AlphaMask, BlendMode, ColourDetail, ColourDetailParams, ColourDetailSource, Constant, EdgeFade,
-    ExampleAt, Overlay, OverlayHeights, SeamBlend,
+    AlphaMask, BlendMode, ColourDetail, ColourDetailParams, ColourDetailSource, Constant,
+    ExampleAt, OutlineMask, Overlay, OverlayHeights, SeamBlend,
 };
 use relievo_project::{
     Blend, ColourDetail as ProjectDetail, DetailBy, ImageryLayer, Layer, LayerId, LayerKind,
     Project,
 };
-use relievo_raster::warp::Warp;
 use relievo_raster::{RasterFile, SampleType};
 
 use super::{Compiler, Ground, address, level_of_step};
@@ -257,28 +256,15 @@ impl Compiler<'_> {
         let [r, g, b] = missing.map(|v| f32::from(v) / 255.0);
         let none = self.add(layer, Arc::new(Constant::colour([0.0; 4])), &[]);
         let colour = self.add(layer, Arc::new(Constant::colour([r, g, b, 1.0])), &[]);
-        let outline = self.outline(layer, file, warp, 0.0);
+        let name = format!("outline {} {:?}", address(file), self.planet);
+        let outline = self.same(name, || OutlineMask::new(warp));
+        let outline = self.add(layer, outline, &[]);
         // Places are dear, and no slider changes them.
         self.builder.cut(outline, SampleType::Mask);
         let fill = Overlay::new(BlendMode::Normal, 1.0, true);
         let filled = self.add(layer, Arc::new(fill), &[none, colour, outline]);
         let over = Overlay::new(BlendMode::Normal, 1.0, false);
         Some(self.add(layer, Arc::new(over), &[filled, top]))
-    }
-
-    /// Weights by the distance to a file's outline, holes or not; 1 inside for a width of 0.
-    pub(super) fn outline(
-        &mut self,
-        layer: &Layer,
-        file: &Arc<dyn RasterFile>,
-        warp: Arc<Warp>,
-        width_m: f64,
-    ) -> NodeIndex {
-        let name = format!("outline {} {width_m} {:?}", address(file), self.planet);
-        let node = self.nodes.get(&mut self.used, name, || {
-            Arc::new(EdgeFade::outline(warp, width_m))
-        });
-        self.add(layer, node, &[])
     }
 
     /// A layer's colours, bent to those below along the edge of its data.

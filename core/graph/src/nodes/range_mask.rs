@@ -1,6 +1,7 @@
 //! A mask by value: heights within a range, slopes within a range.
 
 use relievo_planet::Grid;
+use relievo_raster::vector::on_widest;
 use relievo_raster::{Bands, Block};
 
 use crate::{IdHasher, ImageNode, Job, Known, RenderError};
@@ -31,28 +32,25 @@ impl RangeMask {
         }
     }
 
+    /// Of one value; chosen from all that it could be, not branched to, so that it runs on vectors.
     #[inline(always)]
     fn weight(self, value: f32) -> f32 {
-        if value.is_nan() || self.high < self.low {
-            return 0.0;
-        }
-        let beyond = (self.low - value).max(value - self.high);
-        if beyond <= 0.0 {
-            1.0
-        } else {
-            faded(beyond, self.fade)
-        }
+        let (below, above) = (self.low - value, value - self.high);
+        let beyond = if below > above { below } else { above };
+        let beyond = if beyond > 0.0 { beyond } else { 0.0 };
+        let outside = faded(beyond, self.fade);
+        let weight = if beyond > 0.0 { outside } else { 1.0 };
+        let nowhere = value.is_nan() | (self.high < self.low);
+        if nowhere { 0.0 } else { weight }
     }
 }
 
 /// Weight at a distance beyond an edge, above 0: a smooth step from 1 to 0 over `fade`.
 #[inline(always)]
 pub(super) fn faded(beyond: f32, fade: f32) -> f32 {
-    if beyond >= fade {
-        return 0.0;
-    }
     let t = beyond / fade;
-    1.0 - t * t * (3.0 - 2.0 * t)
+    let within = 1.0 - t * t * (3.0 - 2.0 * t);
+    if beyond >= fade { 0.0 } else { within }
 }
 
 impl ImageNode for RangeMask {
@@ -84,9 +82,15 @@ impl ImageNode for RangeMask {
     }
 
     fn render(&self, _job: &Job, inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
-        for (weight, value) in out.plane_mut(0).iter_mut().zip(inputs[0].plane(0)) {
-            *weight = self.weight(*value);
-        }
+        let (weights, values) = (out.plane_mut(0), inputs[0].plane(0));
+        on_widest(
+            #[inline(always)]
+            || {
+                for (weight, value) in weights.iter_mut().zip(values) {
+                    *weight = self.weight(*value);
+                }
+            },
+        );
         Ok(())
     }
 }

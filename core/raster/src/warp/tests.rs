@@ -533,7 +533,7 @@ fn a_cancelled_warp_says_so_and_an_unplaced_file_is_refused() {
 }
 
 #[test]
-fn a_source_fades_to_nothing_at_its_edge_and_around_holes() {
+fn distances_to_an_edge_are_those_to_the_outline_and_to_holes() {
     use crate::edge::EdgeDistance;
     let cancel = Cancel::default();
     let holed = |x: f64, y: f64| {
@@ -546,25 +546,24 @@ fn a_source_fades_to_nothing_at_its_edge_and_around_holes() {
     let warp = warp(utm(300, 2, holed));
     let edge = EdgeDistance::new(&warp, &cancel).expect("memory does not fail");
     let grid = level_grid(9, -111.5, 40.5, 600, 500);
-    let weight = edge.weight(&warp, &grid, 3000.0).expect("a known system");
+    let distance = edge.distances_m(&warp, &grid).expect("a known system");
     let out = render(&warp, &grid);
-    let (mut full, mut none) = (0, 0);
-    for (w, h) in weight.samples().iter().zip(out.samples()) {
-        assert!((0.0..=1.0).contains(w));
-        assert!(!h.is_nan() || *w < 0.01, "a hole has weight {w}");
-        full += usize::from(*w == 1.0);
-        none += usize::from(*w == 0.0);
+    let (mut far, mut none) = (0, 0);
+    for (d, h) in distance.samples().iter().zip(out.samples()) {
+        assert!(!h.is_nan() || *d < 170.0, "a hole is {d} m from one");
+        far += usize::from(*d >= 3000.0);
+        none += usize::from(*d <= 0.0);
     }
-    assert!(full > 1000 && none > 1000, "{full} {none}");
-    // Neighbours differ by no more than the steepest slope, 1.5 / width, allows on 80 m samples.
-    for row in weight.samples().chunks_exact(600) {
-        assert!(row.windows(2).all(|p| (p[0] - p[1]).abs() < 0.08));
+    assert!(far > 1000 && none > 1000, "{far} {none}");
+    // Neighbours lie 80 m apart, and distances between coarse pixels are interpolated.
+    for row in distance.samples().chunks_exact(600) {
+        assert!(row.windows(2).all(|p| (p[0] - p[1]).abs() < 160.0));
     }
     let part = edge
-        .weight(&warp, &part_of(&grid, 37, 101, 90, 70), 3000.0)
+        .distances_m(&warp, &part_of(&grid, 37, 101, 90, 70))
         .expect("a known system");
-    let mut cut = Block::new(Bands::Mask, 90, 70);
-    cut.copy_from(&weight, (37, 101), (0, 0), (90, 70));
+    let mut cut = Block::new(Bands::Height, 90, 70);
+    cut.copy_from(&distance, (37, 101), (0, 0), (90, 70));
     assert_eq!(bits(&part), bits(&cut));
 }
 
@@ -574,8 +573,8 @@ fn a_globe_has_no_edge() {
     let edge =
         crate::edge::EdgeDistance::new(&warp, &Cancel::default()).expect("memory does not fail");
     assert!(edge.is_endless() && warp.covers_globe());
-    let weight = edge
-        .weight(&warp, &level_grid(3, 180.0, 0.0, 8, 8), 1e6)
+    let distance = edge
+        .distances_m(&warp, &level_grid(3, 180.0, 0.0, 8, 8))
         .expect("a known system");
-    assert!(weight.samples().iter().all(|w| *w == 1.0));
+    assert!(distance.samples().iter().all(|d| *d == f32::MAX));
 }

@@ -1,0 +1,114 @@
+//! Distances to where a source ends.
+
+use std::sync::{Arc, OnceLock};
+
+use parking_lot::Mutex;
+use relievo_planet::Grid;
+use relievo_raster::edge::EdgeDistance;
+use relievo_raster::warp::{Coverage, Warp};
+use relievo_raster::{Bands, Block, Cancel};
+
+use super::memory::add_grid;
+use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
+
+const KIND: &str = "edge distances";
+
+/// Metres to a source's edge, given as heights: 0 and below outside, [`f32::MAX`] where there is no edge.
+/// No inputs.
+///
+/// A [`RangeMask`](super::RangeMask) over it fades a source out towards its edge. Distances come from an
+/// artefact ([`EdgeDistance`]) that is prepared once, when the first sample is asked for; see there for the
+/// formula and its limits.
+#[derive(Debug)]
+pub struct EdgeDistances {
+    warp: Arc<Warp>,
+    name: ContentId,
+    distance: OnceLock<EdgeDistance>,
+    /// Held while preparing, so that it happens once.
+    preparing: Mutex<()>,
+}
+
+impl EdgeDistances {
+    /// To the file's outline and to the holes inside of it.
+    pub fn new(warp: Arc<Warp>) -> Self {
+        Self {
+            name: place_name(&warp),
+            warp,
+            distance: OnceLock::new(),
+            preparing: Mutex::new(()),
+        }
+    }
+
+    /// To the file's outline alone, as if it had no holes.
+    pub fn to_outline(warp: Arc<Warp>) -> Self {
+        let mut all = Self::new(warp);
+        let mut id = IdHasher::default();
+        id.bytes(b"outline").id(all.name);
+        all.name = id.finish();
+        all.distance = OnceLock::from(EdgeDistance::to_outline(&all.warp));
+        all
+    }
+
+    fn distance(&self, cancel: &Cancel) -> Result<&EdgeDistance, RenderError> {
+        if let Some(ready) = self.distance.get() {
+            return Ok(ready);
+        }
+        let _one_at_a_time = self.preparing.lock();
+        if let Some(ready) = self.distance.get() {
+            return Ok(ready);
+        }
+        // Not kept when it fails or is cancelled: the next job tries again.
+        let made = EdgeDistance::new(&self.warp, cancel)?;
+        Ok(self.distance.get_or_init(|| made))
+    }
+}
+
+/// Name of a file's data and of where they lie.
+pub(super) fn place_name(warp: &Warp) -> ContentId {
+    let mut id = IdHasher::default();
+    id.bytes(&warp.file().fingerprint());
+    if let Some(place) = &warp.file().info().georeference {
+        id.bytes(place.crs.as_bytes());
+        for v in place.plane_from_pixel {
+            id.float(v);
+        }
+    }
+    id.finish()
+}
+
+impl ImageNode for EdgeDistances {
+    fn kind(&self) -> &'static str {
+        KIND
+    }
+
+    fn output(&self) -> Bands {
+        Bands::Height
+    }
+
+    fn is_pointwise(&self) -> bool {
+        true
+    }
+
+    fn identify(&self, grid: &Grid, id: &mut IdHasher) {
+        id.id(self.name);
+        add_grid(grid, id);
+    }
+
+    fn known(&self, grid: &Grid, _inputs: &[Known]) -> Known {
+        // From the outline alone, never from the artefact: ids must not depend on what happened
+        // to be prepared already.
+        match self.warp.coverage(grid) {
+            Coverage::Outside => Known::Uniform([0.0; 4]),
+            Coverage::Inside | Coverage::Partial => Known::Complete,
+        }
+    }
+
+    fn render(&self, job: &Job, _inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
+        let distances = self.distance(job.cancel)?.distances_m(&self.warp, job.grid);
+        *out = distances.map_err(|error| RenderError::Node {
+            node: KIND,
+            reason: error.to_string(),
+        })?;
+        Ok(())
+    }
+}
