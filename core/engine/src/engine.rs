@@ -77,6 +77,9 @@ pub struct Engine {
     /// What lies over the project's colours.
     marks: Vec<Mark>,
     revisions: u64,
+    /// Drags so far, and what was there before the latest.
+    drags: u64,
+    before_drag: Option<Arc<Scene>>,
     /// Counts what happened to files.
     file_news: u64,
     shown: Arc<Scene>,
@@ -170,6 +173,8 @@ impl Engine {
             synthesised: overlays::Synthesised::default(),
             marks: Vec::new(),
             revisions: 0,
+            drags: 0,
+            before_drag: None,
             file_news: 0,
             shown: Arc::new(empty.into_scene(0, None)),
             making: None,

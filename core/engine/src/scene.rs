@@ -35,6 +35,8 @@ pub(crate) struct Scene {
     pub(crate) left_out: Vec<(LayerId, &'static str)>,
     /// Whether layers were mixed by themselves before they went over those below: colours round otherwise.
     pub(crate) mixed_apart: bool,
+    /// The drag of which it is a moment, counted.
+    pub(crate) drag: Option<u64>,
     names: Mutex<FxHashMap<NodeIndex, Names>>,
 }
 
@@ -125,6 +127,7 @@ impl Scene {
             details,
             left_out,
             mixed_apart,
+            drag: None,
             names: Mutex::new(names),
         }
     }

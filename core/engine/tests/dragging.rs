@@ -205,3 +205,28 @@ fn a_drag_with_nothing_above_ends_without_another_revision() {
     assert_eq!((shown, made), (0, 0));
     assert_eq!(engine.drain(f32::INFINITY).unwrap().revision, before);
 }
+
+#[test]
+fn moments_of_a_drag_leave_nothing_behind_and_what_was_before_it_stays() {
+    let mut engine = engine(MIXED);
+    settle(&mut engine);
+    engine.begin_drag();
+    let bytes_after = |engine: &mut Engine, steps: core::ops::Range<u32>| {
+        for k in steps {
+            set_gamma(engine, 1.1 + 0.01 * f64::from(k));
+            settle(engine);
+        }
+        engine.stats().tiles.cache_bytes
+    };
+    let few = bytes_after(&mut engine, 0..3);
+    let many = bytes_after(&mut engine, 3..20);
+    assert_eq!(many, few);
+    engine.end_drag();
+    settle(&mut engine);
+    for back in [Engine::undo, Engine::redo] {
+        assert!(back(&mut engine).unwrap());
+        let (_, shown, made) = settle(&mut engine);
+        assert!(shown > 0);
+        assert_eq!(made, 0, "what was before the drag, and where it ended");
+    }
+}

@@ -201,6 +201,13 @@ impl Cache {
         );
     }
 
+    /// Takes a tile out that nobody will want again.
+    pub fn remove(&mut self, id: ContentId) -> Option<TileState> {
+        let entry = self.entries.remove(&id)?;
+        self.used -= entry.state.memory();
+        Some(entry.state)
+    }
+
     /// Forgets tiles that could not be made, so that they are tried again (a file came back).
     pub fn forget_failures(&mut self) {
         let used = &mut self.used;

@@ -215,6 +215,11 @@ impl Tiles {
         self.shared.asked.notify_one();
     }
 
+    /// Says that nobody will want some tiles again: they go before anything else, with the next wants.
+    pub fn forget(&self, tiles: impl IntoIterator<Item = ContentId>) {
+        self.shared.state.lock().forgotten.extend(tiles);
+    }
+
     /// The state of a tile, if the cache has it.
     pub fn get(&self, id: ContentId) -> Option<TileState> {
         self.shared.state.lock().cache.get(id)

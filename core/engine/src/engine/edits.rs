@@ -3,6 +3,7 @@
 //! Invariant: nothing else changes a project. What an edit touches decides what is made again.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use relievo_project::{
     Affects, Aspect, Edit, EditError, FileStamp, Replace, SaveProjectError, ScenarioId,
@@ -33,6 +34,8 @@ impl Engine {
     /// Starts a drag: all edits until [`Self::end_drag`] are one undo step.
     pub fn begin_drag(&mut self) {
         self.history.begin_drag(&self.project);
+        self.drags += 1;
+        self.before_drag = Some(Arc::clone(self.target()));
     }
 
     /// Ends a drag.

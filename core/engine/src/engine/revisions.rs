@@ -51,9 +51,9 @@ impl Engine {
         );
         self.nodes.keep(&mut compiled);
         self.messages.replace_sources(&compiled.problems);
-        self.making = Some(Arc::new(
-            compiled.into_scene(self.revisions, Some(&self.shown)),
-        ));
+        let mut scene = compiled.into_scene(self.revisions, Some(&self.shown));
+        scene.drag = self.history.is_dragging().then_some(self.drags);
+        self.making = Some(Arc::new(scene));
         self.dirty = true;
     }
 
@@ -107,8 +107,33 @@ impl Engine {
 
     pub(super) fn publish(&mut self) {
         if let Some(scene) = self.making.take() {
-            self.shown = scene;
+            let before = std::mem::replace(&mut self.shown, scene);
+            self.forget_moment(&before);
+            if self.shown.drag.is_none() {
+                self.before_drag = None;
+            }
             self.dirty = true;
         }
+    }
+
+    /// Forgets tiles of a moment of a drag once it is replaced: to undo leads back to before all of the
+    /// drag, so nobody comes back to them, and they would push out what is of use.
+    fn forget_moment(&self, before: &Scene) {
+        let goes_on = before.drag.is_some() && before.drag == self.shown.drag;
+        let Some(plan) = self.plan.as_ref().filter(|_| goes_on || before.mixed_apart) else {
+            return;
+        };
+        let of = |scene: &Scene, kind, key| Some(scene.name(scene.root(kind)?, key));
+        let passed = plan
+            .wanted_tiles()
+            .into_iter()
+            .flat_map(|(kind, key)| named(before, kind, key))
+            .filter(|(kind, key, id)| {
+                [Some(&self.shown), self.before_drag.as_ref()]
+                    .into_iter()
+                    .flatten()
+                    .all(|scene| of(scene, *kind, *key) != Some(*id))
+            });
+        self.tiles.forget(passed.map(|(.., id)| id));
     }
 }

@@ -1,11 +1,12 @@
-//! Artefacts: named like samples, made once, kept for all graphs that share a store.
+//! Artefacts: named like samples, made once, kept for all graphs that share a store. So is what cut points
+//! give on the grids that artefacts read: what another artefact reads again, after an edit above it, is there.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
 use relievo_planet::{Grid, Lattice};
-use relievo_raster::Cancel;
+use relievo_raster::{Block, Cancel};
 
 use super::resolve::Resolver;
 use super::run::{Maker, Reader};
@@ -15,6 +16,11 @@ use crate::{ContentId, IdHasher, RenderError};
 
 /// Artefacts kept by their names, least recently used ones dropped beyond a number of bytes.
 pub struct Artefacts {
+    made: Store,
+    read: Store,
+}
+
+struct Store {
     kept: Mutex<Kept>,
     most_bytes: usize,
 }
@@ -37,6 +43,9 @@ struct Slot {
 /// Bytes of artefacts that are kept unless stated otherwise.
 const MOST_BYTES: usize = 256 << 20;
 
+/// Bytes of what they read that are kept: a view of seams reads some 30 MB.
+const MOST_READ_BYTES: usize = 96 << 20;
+
 impl Default for Artefacts {
     fn default() -> Self {
         Self::with_room(MOST_BYTES)
@@ -47,24 +56,49 @@ impl Artefacts {
     /// A store that keeps about `most_bytes`; what is in use stays as long as it is.
     pub fn with_room(most_bytes: usize) -> Self {
         Self {
-            kept: Mutex::default(),
-            most_bytes,
+            made: Store::new(most_bytes),
+            read: Store::new(MOST_READ_BYTES),
         }
     }
 
     /// How many were made so far.
     pub fn made(&self) -> u64 {
-        self.kept.lock().made
+        self.made.kept.lock().made
     }
 
     /// How many are kept.
     pub fn len(&self) -> usize {
-        self.kept.lock().slots.len()
+        self.made.kept.lock().slots.len()
     }
 
     /// Whether none is kept.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// How often samples were evaluated for artefacts to read.
+    pub fn evaluated(&self) -> u64 {
+        self.read.kept.lock().made
+    }
+
+    /// What a cut point gives on a grid, kept under its name.
+    pub(super) fn samples(
+        &self,
+        name: ContentId,
+        bytes: usize,
+        make: impl FnOnce() -> Result<Block, RenderError>,
+    ) -> Result<Arc<Block>, RenderError> {
+        let made = self.read.get(name, bytes, || Ok(Arc::new(make()?)))?;
+        Ok(made.downcast().expect("samples are kept as blocks"))
+    }
+}
+
+impl Store {
+    fn new(most_bytes: usize) -> Self {
+        Self {
+            kept: Mutex::default(),
+            most_bytes,
+        }
     }
 
     fn get(
@@ -158,7 +192,7 @@ pub(super) fn all(
     let mut made = Vec::with_capacity(wanted.len());
     for artefact in wanted {
         let id = name(graph, node, &*artefact);
-        made.push(graph.artefacts.get(id, artefact.bytes(), || {
+        made.push(graph.artefacts.made.get(id, artefact.bytes(), || {
             let mut blocks = Vec::new();
             for (input, grid) in artefact.reads() {
                 if cancel.is_cancelled() {
@@ -166,7 +200,7 @@ pub(super) fn all(
                 }
                 let input = graph.entry(node).inputs[input];
                 let resolver = Resolver::new(graph, Arc::clone(&grid.lattice), None);
-                let mut maker = Maker::new(resolver, Reader::Evaluate, cancel);
+                let mut maker = Maker::new(resolver, Reader::Keep, cancel);
                 blocks.push(maker.gather(input, &grid.rect)?);
             }
             artefact.make(&blocks, cancel)

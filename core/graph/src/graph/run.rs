@@ -22,6 +22,8 @@ pub(super) enum Reader<'a> {
     Tiles(&'a TileInputs<'a>),
     /// They are made on the spot and rounded.
     Evaluate,
+    /// The same, and kept beside artefacts.
+    Keep,
 }
 
 /// Stored samples of one place.
@@ -168,13 +170,28 @@ impl<'a> Maker<'a> {
         if let Some(block) = self.evaluated.get(&key) {
             return Ok(Stored::Block(Arc::clone(block)));
         }
+        let block = if let Reader::Keep = self.reader {
+            let graph = self.resolver.graph;
+            let name = self.resolver.name(Source::Cut(cut), at);
+            let planes = graph.entry(cut).node.output().planes();
+            let bytes = key.1.area() as usize * planes * size_of::<f32>();
+            graph
+                .artefacts
+                .samples(name, bytes, || self.evaluate(cut, at))?
+        } else {
+            Arc::new(self.evaluate(cut, at)?)
+        };
+        self.evaluated.insert(key, Arc::clone(&block));
+        Ok(Stored::Block(block))
+    }
+
+    /// What a cut point stores at a place, made from what it reads.
+    fn evaluate(&mut self, cut: NodeIndex, at: usize) -> Result<Block, RenderError> {
         let entry = self.resolver.graph.entry(cut);
         let raw = self.resolver.raw(cut, at).source;
         let mut block = self.make(raw, entry.node.output(), at)?;
         round::block(&mut block, entry.cut.expect("a cut point"));
-        let block = Arc::new(block);
-        self.evaluated.insert(key, Arc::clone(&block));
-        Ok(Stored::Block(block))
+        Ok(block)
     }
 
     /// Nodes that read around a sample, and sources, which pay for every call.

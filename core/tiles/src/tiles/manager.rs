@@ -22,6 +22,13 @@ impl Shared {
                 continue;
             };
             state.managing = true;
+            let forgotten = std::mem::take(&mut state.forgotten);
+            let freed: Vec<_> = forgotten
+                .into_iter()
+                .filter_map(|id| state.cache.remove(id))
+                .collect();
+            // To give memory back takes longer than others should wait.
+            MutexGuard::unlocked(&mut state, || drop(freed));
             state.queue.clear();
             if let Some(want) = wants.first() {
                 state.storing.follow(&want.graph);

@@ -27,6 +27,8 @@ pub(super) struct State {
     pub(super) wanted: HashSet<ContentId>,
     /// Wants that the manager has not looked at yet.
     pub(super) inbox: Option<(Vec<Want>, Focus)>,
+    /// What nobody will want again.
+    pub(super) forgotten: Vec<ContentId>,
     pub(super) managing: bool,
     pub(super) finished: Vec<Finished>,
     pub(super) log: Vec<LogEntry>,
@@ -53,6 +55,7 @@ impl State {
             cache: Cache::new(memory),
             wanted: HashSet::new(),
             inbox: None,
+            forgotten: Vec::new(),
             managing: false,
             finished: Vec::new(),
             log: Vec::new(),

@@ -22,7 +22,7 @@ impl Resolver<'_> {
                 add_uniform(value, i64::from(stored.tag()), &mut id);
                 id.finish()
             }
-            Source::Raw(_) | Source::Cut(_) => self.id(source, at),
+            Source::Raw(_) | Source::Cut(_) => self.name(source, at),
         }
     }
 
@@ -35,7 +35,7 @@ impl Resolver<'_> {
     }
 
     /// Name of samples that are not uniform.
-    fn id(&mut self, source: Source, at: usize) -> ContentId {
+    pub(in crate::graph) fn name(&mut self, source: Source, at: usize) -> ContentId {
         if let Some(id) = self.known_id(source, at) {
             return id;
         }
@@ -140,7 +140,7 @@ impl Resolver<'_> {
 
     fn id_if_needed(&mut self, source: Source, at: usize) {
         if !matches!(source, Source::Uniform(_)) {
-            self.id(source, at);
+            self.name(source, at);
         }
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::{DVec2, I64Vec2};
-use relievo_planet::{Grid, GridCrs, Lattice, Planet, SampleRect};
+use relievo_planet::{GridCrs, Lattice, Planet, SampleRect};
 
 use super::super::ground::Ground;
 
@@ -142,20 +142,40 @@ impl Coarse {
         blocks.into_iter().map(rect).collect()
     }
 
-    /// Where seams are seen from the samples of a block; `None` where the plane shows no place.
+    /// Where seams are seen from the samples of a block, and what is read for that; `None` where the plane
+    /// shows no place.
     pub(super) fn around(
         &self,
         planet: &Planet,
         block: SampleRect,
         support_m: f64,
     ) -> Option<Around> {
+        let (seams, most_columns) = self.seen_from(planet, block, support_m)?;
+        // The same for all reaches that have this lattice: what was read for one serves the next.
+        let most_m = super::SUPPORT * 2.0 * ROWS_IN_REACH * TOLERANCE * self.spacing_m;
+        let (most, _) = self.seen_from(planet, block, support_m.max(most_m))?;
+        Some(Around {
+            block,
+            seams,
+            most_columns,
+            read: most.grow(Around::RIM),
+        })
+    }
+
+    /// The samples that are seen from those of a block, and how many columns away is as far as is seen.
+    fn seen_from(
+        &self,
+        planet: &Planet,
+        block: SampleRect,
+        support_m: f64,
+    ) -> Option<(SampleRect, Option<i64>)> {
         let rows_m = |rows: f64| (libm::ceil(rows) as i64).clamp(1, MOST_HALO);
         if self.lattice.crs != GridCrs::Map {
             let ground = Ground::new(&self.lattice, super::KIND).ok()?;
             let steps = ground.steps_m(planet, (block.min + block.max) / 2)?;
             // Scales differ a little between the middle of a block and its surroundings.
             let halo = steps.map(|step| rows_m(1.25 * support_m / step.length()));
-            return Some(Around::within(block, halo));
+            return Some((within(block, halo), Some(MOST_HALO)));
         }
         let step = self.lattice.step.abs();
         let row_m = planet.metres_per_radian(PI / 2.0).y * step.y;
@@ -171,22 +191,16 @@ impl Coarse {
         });
         let columns = libm::ceil(support_m / column_m[0].min(column_m[1]));
         let Some(size) = self.closed.filter(|size| size.x <= WHOLE_CIRCLE) else {
-            return Some(Around::within(block, [rows_m(columns), rows]));
+            return Some((within(block, [rows_m(columns), rows]), Some(MOST_HALO)));
         };
         let over_pole = extent.min.y < 0 || extent.max.y > size.y;
         if over_pole || block.width() as f64 + 2.0 * columns >= size.x as f64 {
             let west = block.min.x - (size.x - block.width()) / 2;
             let rows = (extent.min.y.max(0), extent.max.y.min(size.y));
-            return Some(Around {
-                block,
-                seams: SampleRect::at(west, rows.0, size.x, rows.1 - rows.0),
-                most_columns: None,
-            });
+            let seams = SampleRect::at(west, rows.0, size.x, rows.1 - rows.0);
+            return Some((seams, None));
         }
-        Some(Around {
-            most_columns: None,
-            ..Around::within(block, [columns as i64, rows])
-        })
+        Some((within(block, [columns as i64, rows]), None))
     }
 }
 
@@ -197,6 +211,8 @@ pub(super) struct Around {
     pub(super) seams: SampleRect,
     /// Seams so many columns away count as being as far away as they are seen.
     pub(super) most_columns: Option<i64>,
+    /// More samples on every side: seams are found beside what is not there.
+    pub(super) read: SampleRect,
 }
 
 impl Around {
@@ -204,21 +220,13 @@ impl Around {
     pub(super) const MOST_ROWS: i64 = MOST_HALO;
 
     /// Samples read beyond those where seams are seen: whether there is one is asked for beside them too.
-    pub(super) const RIM: i64 = 2;
+    const RIM: i64 = 2;
+}
 
-    fn within(block: SampleRect, [columns, rows]: [i64; 2]) -> Self {
-        let halo = I64Vec2::new(columns, rows);
-        Self {
-            block,
-            seams: SampleRect::new(block.min - halo, block.max + halo),
-            most_columns: Some(MOST_HALO),
-        }
-    }
-
-    /// What is read: more samples on every side, as seams are found beside what is not there.
-    pub(super) fn read(&self, coarse: &Coarse) -> Grid {
-        Grid::new(Arc::clone(&coarse.lattice), self.seams.grow(Self::RIM))
-    }
+/// A block and so many columns and rows around it.
+fn within(block: SampleRect, [columns, rows]: [i64; 2]) -> SampleRect {
+    let halo = I64Vec2::new(columns, rows);
+    SampleRect::new(block.min - halo, block.max + halo)
 }
 
 /// Metres from row to row, one number for all of a lattice so that wholes equal their parts.
@@ -286,12 +294,13 @@ mod tests {
                 prop_assert!(SampleRect::new(I64Vec2::ZERO, size).contains_rect(&block));
                 let around = coarse.around(&Planet::EARTH, block, 0.75 * reach_m).expect("a map");
                 let seams = around.seams;
-                prop_assert!(seams.contains_rect(&block));
-                prop_assert!(seams.width() <= WHOLE_CIRCLE && seams.height() <= BLOCK + 2 * MOST_HALO);
-                prop_assert!(seams.width() <= size.x);
+                let read = around.read.grow(-Around::RIM);
+                prop_assert!(seams.contains_rect(&block) && around.read.contains_rect(&seams.grow(Around::RIM)));
+                prop_assert!(read.width() <= WHOLE_CIRCLE && read.height() <= BLOCK + 2 * MOST_HALO);
+                prop_assert!(read.width() <= size.x);
                 // Over a pole a narrow strip is read on either side.
-                let crosses = seams.min.y < 0 || seams.max.y > size.y;
-                prop_assert!(!crosses || 2 * seams.width() <= size.x);
+                let crosses = read.min.y < 0 || read.max.y > size.y;
+                prop_assert!(!crosses || 2 * read.width() <= size.x);
             }
         }
 

@@ -61,14 +61,14 @@ impl Artefact for Membrane {
     }
 
     fn reads(&self) -> Vec<(usize, Grid)> {
-        let read = self.around.read(&self.coarse);
+        let read = Grid::new(Arc::clone(&self.coarse.lattice), self.around.read);
         let inputs = if self.masked { 3 } else { 2 };
         (0..inputs).map(|input| (input, read.clone())).collect()
     }
 
     fn make(&self, samples: &[Block], cancel: &Cancel) -> Result<Made, RenderError> {
         let mask = samples.get(2).map(|mask| mask.plane(0));
-        let first = self.around.read(&self.coarse).rect.min;
+        let first = self.around.read.min;
         let layer = Layer::new(first, &samples[0], &samples[1], mask);
         let places = Places::new(
             &self.planet,
@@ -111,21 +111,13 @@ struct Layer<'a> {
 impl<'a> Layer<'a> {
     /// `first` is the first sample that was read.
     fn new(first: I64Vec2, below: &'a Block, top: &'a Block, mask: Option<&[f32]>) -> Self {
-        let is_there = |block: &Block, i: usize, weight: f32| {
-            block.plane(3)[i] * weight > 0.5 && (0..3).all(|c| block.plane(c)[i].is_finite())
-        };
-        let samples = 0..top.plane(3).len();
-        let weight = |i: usize| mask.map_or(1.0, |mask| mask[i]);
         Self {
             below: core::array::from_fn(|plane| below.plane(plane)),
             top: core::array::from_fn(|plane| top.plane(plane)),
             first,
             stride: top.width(),
-            shows: samples
-                .clone()
-                .map(|i| is_there(top, i, weight(i)))
-                .collect(),
-            below_is_there: samples.map(|i| is_there(below, i, 1.0)).collect(),
+            shows: is_there(top, mask),
+            below_is_there: is_there(below, None),
         }
     }
 
@@ -170,6 +162,21 @@ impl<'a> Layer<'a> {
 
     fn difference(&self, i: usize) -> [f32; 3] {
         core::array::from_fn(|c| self.below[c][i] - self.top[c][i])
+    }
+}
+
+/// Where there are colours: more than half, and numbers.
+fn is_there(colours: &Block, mask: Option<&[f32]>) -> Vec<bool> {
+    let [r, g, b, alpha] = core::array::from_fn(|plane| colours.plane(plane));
+    let rgb = r.iter().zip(g).zip(b);
+    let are_numbers = rgb.map(|((r, g), b)| r.is_finite() & g.is_finite() & b.is_finite());
+    let samples = are_numbers.zip(alpha);
+    match mask {
+        Some(mask) => samples
+            .zip(mask)
+            .map(|((are, alpha), weight)| are & (alpha * weight > 0.5))
+            .collect(),
+        None => samples.map(|(are, alpha)| are & (*alpha > 0.5)).collect(),
     }
 }
 
@@ -310,6 +317,7 @@ impl Membrane {
             block,
             seams: read,
             most_columns,
+            ..
         } = self.around;
         let mut sums = Sums {
             weight: [0.0; LANES],
