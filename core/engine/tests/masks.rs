@@ -11,8 +11,9 @@ use std::sync::Arc;
 use common::{LAT, LON, METRES, converge, is_beside, is_within, platform};
 use relievo_engine::planet::{Camera, MapPoint};
 use relievo_engine::project::{
-    Adjust, Blend, Edit, Element, Extra, Layer, LayerId, LayerKind, Mask, MaskCircle, MaskRange,
-    Noise, NoiseLayer, Project, Tint, TintInterpolation, TintLayer, TintStop, VectorLayer,
+    Adjust, Blend, Edit, Element, Extra, Layer, LayerId, LayerKind, Lens, LensShape, Mask,
+    MaskRange, Noise, NoiseLayer, Project, Tint, TintInterpolation, TintLayer, TintStop,
+    VectorLayer,
 };
 use relievo_engine::raster::Cancel;
 use relievo_engine::{Engine, EngineOptions, View};
@@ -65,13 +66,28 @@ fn range(from: f64, to: f64, fade: f64) -> MaskRange {
     }
 }
 
-fn circle(east_m: f64, radius_m: f64) -> MaskCircle {
-    MaskCircle {
+fn lens(east_m: f64, shape: LensShape) -> Mask {
+    let lens = Lens {
         lon_deg: LON + east_m / METRES.0,
         lat_deg: LAT,
-        radius_m,
         fade_m: 0.0,
+        shape,
         extra: Extra::new(),
+    };
+    Mask {
+        lens: Some(lens),
+        ..Mask::default()
+    }
+}
+
+fn circle(radius_m: f64) -> LensShape {
+    LensShape::Circle { radius_m }
+}
+
+/// A triangle that reaches as far in all directions as a circle of 100 m at most.
+fn triangle() -> LensShape {
+    LensShape::Polygon {
+        corners_m: vec![[-90.0, -40.0], [90.0, -40.0], [0.0, 95.0]],
     }
 }
 
@@ -129,8 +145,7 @@ fn a_layer_shows_on_steep_ground_and_inverted_on_level_ground() {
 fn all_that_a_mask_says_holds_at_once() {
     let mask = Mask {
         heights: Some(range(30.0, 100.0, 0.0)),
-        circle: Some(circle(0.0, 20.0)),
-        ..Mask::default()
+        ..lens(0.0, circle(20.0))
     };
     let engine = engine(Some(mask), vec![], Path::new("."));
     assert_eq!(colour(&engine, 10.0, 0.0), RED);
@@ -200,11 +215,39 @@ fn a_mask_that_says_nothing_makes_the_same_tiles_as_none() {
 }
 
 #[test]
-fn a_lens_that_moves_makes_only_the_tiles_again_that_it_leaves_or_enters() {
-    let lens = |east_m: f64| Mask {
-        circle: Some(circle(east_m, 100.0)),
-        ..Mask::default()
+fn a_layer_shows_in_a_polygon_and_inverted_outside_it() {
+    let outside = Mask {
+        invert: true,
+        ..lens(20.0, triangle())
     };
+    let inside = engine(Some(lens(20.0, triangle())), vec![], Path::new("."));
+    let outside = engine(Some(outside), vec![], Path::new("."));
+    for (place, is_inside) in [
+        ((20.0, 0.0), true),
+        ((20.0, 80.0), true),
+        ((95.0, -35.0), true),
+        ((95.0, 20.0), false),
+        ((20.0, -50.0), false),
+        ((-200.0, 0.0), false),
+    ] {
+        let (here, there) = if is_inside { (RED, GREY) } else { (GREY, RED) };
+        assert_eq!(colour(&inside, place.0, place.1), here, "{place:?}");
+        assert_eq!(colour(&outside, place.0, place.1), there, "{place:?}");
+    }
+}
+
+#[test]
+fn a_circle_that_moves_makes_only_the_tiles_again_that_it_leaves_or_enters() {
+    moves_alone(&circle(100.0));
+}
+
+#[test]
+fn a_polygon_that_moves_makes_only_the_tiles_again_that_it_leaves_or_enters() {
+    moves_alone(&triangle());
+}
+
+fn moves_alone(shape: &LensShape) {
+    let lens = |east_m: f64| lens(east_m, shape.clone());
     // Hills in colours over all of it, so that no tile is one colour and left out.
     let noise = Noise {
         amplitude_m: 500.0,

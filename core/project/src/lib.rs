@@ -66,7 +66,7 @@ pub use layer::{
     Noise, NoiseLayer, NoiseMode, Resampling, Source, Stretch, TileRows,
 };
 pub use lock::{Holder, LockError, ProjectLock};
-pub use mask::{Mask, MaskCircle, MaskRange};
+pub use mask::{Lens, LensShape, Mask, MaskRange};
 pub use paths::{resolve_path, store_path};
 pub use reference::WrongReference;
 pub use relief::{

@@ -9,8 +9,8 @@ pub struct Mask {
     pub heights: Option<MaskRange>,
     /// Steepness of the shown ground in degrees, 0 to 90.
     pub slopes: Option<MaskRange>,
-    /// A circle on the ground. Layers with the same one share a lens, which moves for all of them.
-    pub circle: Option<MaskCircle>,
+    /// A part of the ground that moves. Layers with the same lens share it: it moves for all of them.
+    pub lens: Option<Lens>,
     /// A vector layer, hidden or not, whose areas count.
     pub vector: Option<LayerId>,
     /// Whether the layer shows everywhere else instead.
@@ -24,7 +24,7 @@ impl Mask {
     pub fn is_everywhere(&self) -> bool {
         self.heights.is_none()
             && self.slopes.is_none()
-            && self.circle.is_none()
+            && self.lens.is_none()
             && self.vector.is_none()
     }
 }
@@ -42,17 +42,42 @@ pub struct MaskRange {
     pub extra: Extra,
 }
 
-/// A circle on the ground.
+/// A circle or polygon on the ground.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MaskCircle {
+pub struct Lens {
     /// Longitude of its centre in degrees, east positive.
     pub lon_deg: f64,
     /// Latitude of its centre in degrees.
     pub lat_deg: f64,
-    /// Radius in metres along the ground, 0 to 10¹⁰.
-    pub radius_m: f64,
-    /// How far beyond it the layer fades out, metres. Default 0.
+    /// How far beyond its edge the layer fades out, metres, 0 to 10¹⁰. Default 0.
     pub fade_m: f64,
+    /// What lies inside.
+    pub shape: LensShape,
     /// Unknown fields of the file.
     pub extra: Extra,
+}
+
+/// The shape of a lens around its centre.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LensShape {
+    /// All places within a distance.
+    Circle {
+        /// Radius in metres along the ground, 0 to 10¹⁰.
+        radius_m: f64,
+    },
+    /// The inside of an outline by the even-odd rule, so that it may cross itself.
+    Polygon {
+        /// 3 to 256 corners in metres east and north of the centre, each −10⁷ to 10⁷: in an azimuthal
+        /// equidistant frame on the ellipsoid, so that what moves keeps its shape.
+        corners_m: Vec<[f64; 2]>,
+    },
+}
+
+impl LensShape {
+    /// Fewest corners of a polygon.
+    pub const LEAST_CORNERS: usize = 3;
+    /// Most corners of a polygon.
+    pub const MOST_CORNERS: usize = 256;
+    /// How far east, west, north or south of the centre a corner may be, metres.
+    pub const FARTHEST_M: f64 = 1e7;
 }

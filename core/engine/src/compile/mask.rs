@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use relievo_graph::NodeIndex;
 use relievo_graph::nodes::{
-    AlphaMask, Constant, DiscMask, MaskProduct, RangeMask, SlopeAngle, Vector,
+    AlphaMask, Constant, DiscMask, MaskProduct, PolygonMask, RangeMask, SlopeAngle, Vector,
 };
+use relievo_graph::{ImageNode, NodeIndex};
 use relievo_planet::MapPoint;
-use relievo_project::{Layer, LayerId, LayerKind, Mask, Project};
+use relievo_project::{Layer, LayerId, LayerKind, LensShape, Mask, Project};
 use relievo_raster::SampleType;
 use relievo_vector::{Drawing, Style};
 
@@ -55,10 +55,18 @@ impl Compiler<'_> {
             let node = RangeMask::new(range.from, range.to, range.fade);
             weights.push(self.add(layer, Arc::new(node), &[angle]));
         }
-        if let Some(circle) = &mask.circle {
-            let centre = MapPoint::from_degrees(circle.lon_deg, circle.lat_deg);
-            let node = DiscMask::new(&self.planet, centre, circle.radius_m, circle.fade_m);
-            weights.push(self.add(layer, Arc::new(node), &[]));
+        if let Some(lens) = &mask.lens {
+            let centre = MapPoint::from_degrees(lens.lon_deg, lens.lat_deg);
+            let planet = &self.planet;
+            let node: Arc<dyn ImageNode> = match &lens.shape {
+                LensShape::Circle { radius_m } => {
+                    Arc::new(DiscMask::new(planet, centre, *radius_m, lens.fade_m))
+                }
+                LensShape::Polygon { corners_m } => {
+                    Arc::new(PolygonMask::new(planet, centre, corners_m, lens.fade_m))
+                }
+            };
+            weights.push(self.add(layer, node, &[]));
         }
         if let Some(id) = &mask.vector {
             weights.extend(self.areas(layer, project, id, "for the mask"));

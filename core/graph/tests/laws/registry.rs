@@ -8,8 +8,8 @@ use relievo_graph::nodes::{
     AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, ColourDetail, ColourDetailParams,
     ColourDetailSource, Constant, ContourLines, ContourStyle, Detail, DetailMethod, DetailParams,
     DiscMask, Earthwork, ExampleAt, HeightDifference, MaskProduct, Memory, Noise, NoiseParams,
-    Normals, Overlay, OverlayHeights, PlacedElement, RangeMask, SeamBlend, SlopeAngle, Stop, Tint,
-    Vector,
+    Normals, Overlay, OverlayHeights, PlacedElement, PolygonMask, RangeMask, SeamBlend, SlopeAngle,
+    Stop, Tint, Vector,
 };
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
@@ -345,6 +345,16 @@ fn of_colours() -> Vec<Entry> {
                 &Planet::EARTH,
                 MapPoint::from_degrees(10.0, 50.0),
                 2e6,
+                1e6,
+            )),
+            &[],
+        ),
+        entry(
+            "polygon mask",
+            Arc::new(PolygonMask::new(
+                &Planet::EARTH,
+                MapPoint::from_degrees(10.0, 50.0),
+                &[[-2e6, -1e6], [2.5e6, -1.5e6], [0.0, 0.5e6], [1e6, 2e6]],
                 1e6,
             )),
             &[],

@@ -35,6 +35,9 @@ pub(crate) const TOLERANCE: Range<f64> = range(0.0, 2.0);
 pub(crate) const MASK_FADE_M: Range<f64> = range(0.0, 1e7);
 /// Radii of lenses: around any planet.
 pub(crate) const LENS_M: Range<f64> = range(0.0, 1e10);
+/// Corners of lenses, from their centre.
+pub(crate) const CORNER_M: Range<f64> =
+    range(-crate::LensShape::FARTHEST_M, crate::LensShape::FARTHEST_M);
 pub(crate) const NODATA: Range<f64> = range(f64::MIN, f64::MAX);
 pub(crate) const BAND: Range<u32> = range(1, 65_535);
 pub(crate) const SIGNED_SHARE: Range<f64> = range(-1.0, 1.0);
@@ -80,6 +83,11 @@ pub(crate) const MOST_CURVE_POINTS: usize = 256;
 pub(crate) const MOST_DETAILS: usize = crate::ColourDetail::MOST;
 /// Most layers that are examples of one kind of detail.
 pub(crate) const MOST_EXAMPLES: usize = crate::DetailBy::MOST_EXAMPLES;
+/// Corners of a lens.
+pub(crate) const CORNERS: Range<usize> = range(
+    crate::LensShape::LEAST_CORNERS,
+    crate::LensShape::MOST_CORNERS,
+);
 /// Most stops of a table of colours.
 pub(crate) const MOST_STOPS: usize = 1000;
 /// Longest path and coordinate system in bytes.

@@ -4,9 +4,9 @@ use proptest::prelude::*;
 use relievo_project::{
     Adjust, Aim, Blend, CameraSettings, ColourDetail, ContoursLayer, Dated, Detail, DetailBy,
     DetailLayer, DetailMethod, Edit, Extra, Georeference, HeightEncoding, HeightLayer,
-    ImageryLayer, Layer, LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer, PlanetSettings,
-    Quality, Resampling, SlopeLayer, SlopeStop, Source, Stretch, Sun, TileRows, Tint,
-    TintInterpolation, TintStop, parse_date,
+    ImageryLayer, Layer, LayerId, LayerKind, Lens, LensShape, Mask, MaskRange, Noise, NoiseLayer,
+    PlanetSettings, Quality, Resampling, SlopeLayer, SlopeStop, Source, Stretch, Sun, TileRows,
+    Tint, TintInterpolation, TintStop, parse_date,
 };
 
 fn id() -> impl Strategy<Value = LayerId> {
@@ -40,6 +40,24 @@ fn layer() -> impl Strategy<Value = Layer> {
         }),
     ];
     (id(), "[a-zé ]{0,8}", kind).prop_map(|(id, name, kind)| Layer::new(id, name, kind))
+}
+
+/// A circle or a polygon; beyond 0.9 one whose corners are out of range.
+fn lens(from: f64) -> Lens {
+    let corner_m = if from > 0.9 { 2e7 } else { 1e3 * from };
+    Lens {
+        lon_deg: 100.0 * from,
+        lat_deg: 10.0,
+        fade_m: 1.0,
+        shape: if from < 0.7 {
+            LensShape::Circle { radius_m: from }
+        } else {
+            LensShape::Polygon {
+                corners_m: vec![[0.0, 0.0], [corner_m, 0.0], [0.5, corner_m]],
+            }
+        },
+        extra: Extra::new(),
+    }
 }
 
 /// Any edit, many of which do not fit.
@@ -82,6 +100,7 @@ pub(crate) fn edit() -> impl Strategy<Value = Edit> {
                     extra: Extra::new()
                 }),
                 invert: from > 0.3,
+                lens: (from > 0.6).then(|| lens(from)),
                 ..Mask::default()
             })),
         }),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use relievo_project::{CameraSettings, Edit, History, Project};
+use relievo_project::{CameraSettings, Edit, History, LensShape, Project};
 
 use crate::any::edit;
 use crate::{EVERYTHING, everything};
@@ -70,4 +70,29 @@ proptest! {
             prop_assert_eq!(&read[0], &edit);
         }
     }
+}
+
+#[test]
+fn a_lens_that_is_a_polygon_is_set_by_an_edit_and_taken_back() {
+    let text = r#"[{"edit": "set_mask", "id": "tint", "mask": {"polygon": {"lon_deg": 7.5, "lat_deg": 46.5,
+        "corners_m": [[-100, -50.5], [100, -50.5], [0, 101]], "drawn_by": "hand"}}}]"#;
+    let mut project = Project::from_json(EVERYTHING, Path::new("p.relievo")).unwrap();
+    let [edit] = &Edit::list_from_json(text, Path::new("e.json")).unwrap()[..] else {
+        panic!("one edit");
+    };
+    let inverse = project.apply(edit.clone()).unwrap();
+    let mask = |project: &Project| project.layer(&"tint".into()).unwrap().mask.clone().unwrap();
+    let lens = mask(&project).lens.unwrap();
+    assert_eq!((lens.lon_deg, lens.lat_deg, lens.fade_m), (7.5, 46.5, 0.0));
+    assert_eq!(
+        lens.shape,
+        LensShape::Polygon {
+            corners_m: vec![[-100.0, -50.5], [100.0, -50.5], [0.0, 101.0]]
+        }
+    );
+    assert_eq!(lens.extra["drawn_by"], "hand");
+    let again = Project::from_json(&project.to_json(), Path::new("p.relievo")).unwrap();
+    assert_eq!(mask(&again), mask(&project));
+    project.apply(inverse).unwrap();
+    assert_eq!(project.to_json(), EVERYTHING);
 }

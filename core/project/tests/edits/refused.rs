@@ -212,6 +212,41 @@ fn masks_beyond_their_ranges_and_of_layers_without_colours_are_refused() {
         r#"{"circle": {"lon_deg": 0.0, "lat_deg": 91.0, "radius_m": 1.0}}"#,
     );
     assert!(line.contains("lat_deg"), "{line}");
+    let polygon = |corners_m: &str| {
+        let polygon = format!(r#"{{"lon_deg": 0.0, "lat_deg": 0.0, "corners_m": {corners_m}}}"#);
+        refused(slope, &format!(r#"{{"polygon": {polygon}}}"#))
+    };
+    for (corners_m, expected) in [
+        (
+            "[[0, 0], [1, 0]]",
+            "corners_m: expected 3 to 256 corners, found 2",
+        ),
+        ("5", "corners_m: expected an array of corners, found 5"),
+        (
+            "[[0, 0], [1, 0], [1]]",
+            "corners_m/2: expected [east, north] in metres, found an array of 1",
+        ),
+        (
+            "[[0, 0], [1, 0], [1, null]]",
+            "corners_m/2: expected [east, north] in metres, found [1,null]",
+        ),
+        (
+            "[[0, 0], [1, 0], [1, -10000001]]",
+            "corners_m/2/1: expected -10000000 to 10000000, found -10000001",
+        ),
+    ] {
+        let line = polygon(corners_m);
+        assert!(line.contains(expected), "{line}");
+    }
+    let line = refused(
+        slope,
+        r#"{"circle": {"lon_deg": 0.0, "lat_deg": 0.0, "radius_m": 1.0},
+            "polygon": {"lon_deg": 0.0, "lat_deg": 0.0, "corners_m": [[0, 0], [1, 0], [1, 1]]}}"#,
+    );
+    assert!(
+        line.contains("mask/polygon: expected a circle or a polygon, found both"),
+        "{line}"
+    );
     let line = refused(slope, r#"{"vector": "no layer's id"}"#);
     assert!(line.contains("vector"), "{line}");
     let line = refused(r#""noise", "amplitude_m": 1.0, "wavelength_m": 5.0"#, "{}");

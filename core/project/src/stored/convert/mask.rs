@@ -5,7 +5,7 @@ use super::{Twin, unless_default};
 use crate::stored::fault::{At, Fault};
 use crate::stored::mask as stored;
 use crate::stored::value::With;
-use crate::{Mask, MaskCircle, MaskRange};
+use crate::{Lens, LensShape, Mask, MaskRange};
 
 impl Twin for Mask {
     type Stored = With<stored::Mask>;
@@ -38,13 +38,7 @@ impl Twin for Mask {
         Ok(Self {
             heights: heights.transpose()?,
             slopes: slopes.transpose()?,
-            circle: fields.circle.map(|With { fields, extra }| MaskCircle {
-                lon_deg: fields.lon_deg,
-                lat_deg: fields.lat_deg,
-                radius_m: fields.radius_m,
-                fade_m: fields.fade_m.unwrap_or(0.0),
-                extra,
-            }),
+            lens: lens(fields.circle, fields.polygon, at)?,
             vector: vector.transpose()?,
             invert: fields.invert.unwrap_or(false),
             extra,
@@ -68,24 +62,76 @@ impl Twin for Mask {
             },
             extra: r.extra.clone(),
         });
-        let circle = self.circle.as_ref().map(|c| With {
-            fields: stored::MaskCircle {
-                lon_deg: c.lon_deg,
-                lat_deg: c.lat_deg,
-                radius_m: c.radius_m,
-                fade_m: unless_default(c.fade_m, &0.0),
-            },
-            extra: c.extra.clone(),
-        });
+        let (circle, polygon) = self.lens.as_ref().map_or((None, None), stored_lens);
         With {
             fields: stored::Mask {
                 heights,
                 slopes,
                 circle,
+                polygon,
                 vector: self.vector.as_ref().map(|id| id.0.clone()),
                 invert: unless_default(self.invert, &false),
             },
             extra: self.extra.clone(),
+        }
+    }
+}
+
+type StoredCircle = With<stored::MaskCircle>;
+type StoredPolygon = With<stored::MaskPolygon>;
+
+/// A mask has one lens at most.
+fn lens(
+    circle: Option<StoredCircle>,
+    polygon: Option<StoredPolygon>,
+    at: &At<'_>,
+) -> Result<Option<Lens>, Fault> {
+    match (circle, polygon) {
+        (None, None) => Ok(None),
+        (Some(With { fields, extra }), None) => Ok(Some(Lens {
+            lon_deg: fields.lon_deg,
+            lat_deg: fields.lat_deg,
+            fade_m: fields.fade_m.unwrap_or(0.0),
+            shape: LensShape::Circle {
+                radius_m: fields.radius_m,
+            },
+            extra,
+        })),
+        (None, Some(With { fields, extra })) => Ok(Some(Lens {
+            lon_deg: fields.lon_deg,
+            lat_deg: fields.lat_deg,
+            fade_m: fields.fade_m.unwrap_or(0.0),
+            shape: LensShape::Polygon {
+                corners_m: fields.corners_m.0,
+            },
+            extra,
+        })),
+        (Some(_), Some(_)) => Err(At::Member(at, "polygon").fault("a circle or a polygon", "both")),
+    }
+}
+
+fn stored_lens(lens: &Lens) -> (Option<StoredCircle>, Option<StoredPolygon>) {
+    let (lon_deg, lat_deg) = (lens.lon_deg, lens.lat_deg);
+    let fade_m = unless_default(lens.fade_m, &0.0);
+    let extra = lens.extra.clone();
+    match &lens.shape {
+        LensShape::Circle { radius_m } => {
+            let fields = stored::MaskCircle {
+                lon_deg,
+                lat_deg,
+                radius_m: *radius_m,
+                fade_m,
+            };
+            (Some(With { fields, extra }), None)
+        }
+        LensShape::Polygon { corners_m } => {
+            let fields = stored::MaskPolygon {
+                lon_deg,
+                lat_deg,
+                corners_m: stored::StoredCorners(corners_m.clone()),
+                fade_m,
+            };
+            (None, Some(With { fields, extra }))
         }
     }
 }
