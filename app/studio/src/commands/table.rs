@@ -246,8 +246,14 @@ pub const TABLE: &[Entry] = &[
     tool(
         Tool::Lens,
         "Lens",
-        "Show the selected layer only in a circle that is dragged over the terrain",
+        "Show the selected layer only in a circle or polygon that is dragged over the terrain",
         &[keys(PLAIN, Key::X)],
+    ),
+    tool(
+        Tool::LensOutline,
+        "Draw lens",
+        "Draw the outline of a polygon in which alone the selected layer shows",
+        &[],
     ),
     analyse(
         Command::Use(Tool::Measure),

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! pointer --cast--> place --snap--> draft --Enter--> Edit::AddElement
-//!                     |
+//!                     |                     (an outline of a lens: Edit::SetMask)
 //!                     +--> handle of the selected element --each frame--> Edit::ReplaceElement
 //! ```
 //!
@@ -27,6 +27,7 @@ use relievo_engine::project::{ElementId, Vertex};
 pub(crate) use brush::BrushSettings;
 pub(crate) use handles::{Held, Spot};
 pub(in crate::window) use handles::{changed, inserted, removed};
+pub(crate) use lens::LensTool;
 
 /// What the main button of the pointer does on the terrain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -50,8 +51,10 @@ pub enum Tool {
     Observer,
     /// Chooses where still water stands.
     Water,
-    /// Moves the circle in which the selected layer shows.
+    /// Moves and shapes the circle or polygon in which the selected layer shows.
     Lens,
+    /// Draws the polygon in which the selected layer shows.
+    LensOutline,
 }
 
 impl Tool {
@@ -77,12 +80,13 @@ impl Tool {
             Self::Observer => "Observer",
             Self::Water => "Flood",
             Self::Lens => "Lens",
+            Self::LensOutline => "Draw lens",
         }
     }
 
     /// Whether it draws something that closes upon itself.
     pub(crate) fn is_ring(self) -> bool {
-        matches!(self, Self::Polygon | Self::Hole)
+        matches!(self, Self::Polygon | Self::Hole | Self::LensOutline)
     }
 
     /// What to do with it.
@@ -110,7 +114,10 @@ impl Tool {
             Self::Observer => "Click where somebody stands to see what is in sight. Esc ends",
             Self::Water => "Click where still water shall stand. Esc ends",
             Self::Lens => {
-                "Drag the circle in which the selected layer shows; Ctrl moves the ground. Its size is in the inspector. Esc ends"
+                "Drag the circle or polygon in which the selected layer shows, or its corners; small handles add corners, Delete takes the chosen one away. Ctrl moves the ground, Esc ends"
+            }
+            Self::LensOutline => {
+                "Click the corners of the polygon in which the selected layer shows. Enter or a double click closes, Backspace removes the last, Esc cancels"
             }
         }
     }
@@ -131,8 +138,7 @@ pub(crate) struct Tools {
     pub(crate) brush: BrushSettings,
     /// The brush is down on this element.
     pub(crate) stroke: Option<ElementId>,
-    /// The lens is being dragged.
-    pub(crate) moves_lens: bool,
+    pub(crate) lens: LensTool,
     /// Where the pointer is on the screen.
     pointer: Option<Pos2>,
 }
@@ -148,7 +154,7 @@ impl Tools {
     pub(crate) fn forget(&mut self) {
         self.draft.clear();
         (self.next, self.held, self.vertex, self.stroke) = (None, None, None, None);
-        self.moves_lens = false;
+        self.lens = LensTool::default();
     }
 }
 

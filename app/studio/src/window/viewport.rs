@@ -96,7 +96,12 @@ impl Studio {
                 }
                 taken
             }
-            Tool::Polygon | Tool::Hole | Tool::Breakline | Tool::Corridor | Tool::Measure => {
+            Tool::Polygon
+            | Tool::Hole
+            | Tool::Breakline
+            | Tool::Corridor
+            | Tool::Measure
+            | Tool::LensOutline => {
                 self.draw_draft(ui, rect, response, actions);
                 false
             }

@@ -1,4 +1,4 @@
-//! Colours: curves, levels, matching, masks and lenses.
+//! Colours: curves, levels, matching, seams.
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, vec2};
@@ -110,36 +110,6 @@ fn a_stretch_makes_the_darkest_seen_black_and_the_lightest_white() {
         assert!(adjusted.gain[channel] > 1.2, "{adjusted:?}");
         assert!(adjusted.offset[channel] < 0.0, "{adjusted:?}");
     }
-}
-
-#[test]
-fn a_lens_is_put_on_a_layer_and_dragged_over_the_terrain_as_one_step() {
-    let mut window = Window::open(TINTS);
-    let circle = |w: &Window| {
-        let layer = w.layers().iter().find(|l| l.id.0 == "high").unwrap();
-        layer.mask.as_ref().and_then(|m| m.circle.clone())
-    };
-    window.press(Modifiers::NONE, Key::X);
-    window.drag(window.at(0.0, 0.0), window.at(0.2, 0.1));
-    let first = circle(&window).unwrap();
-    assert!(first.radius_m > 100.0 && first.lon_deg > 10.0, "{first:?}");
-    window.drag(window.at(0.0, 0.0), window.at(-0.2, 0.1));
-    let second = circle(&window).unwrap();
-    assert!(second.lon_deg < 10.0 && second.lat_deg < 45.0, "{second:?}");
-    assert_eq!(second.radius_m, first.radius_m);
-    window.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(circle(&window), Some(first));
-    window.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(circle(&window), None);
-    window.press(Modifiers::NONE, Key::Escape);
-    let before = *window.harness.state().camera();
-    window.drag(window.at(0.0, 0.0), window.at(0.2, 0.1));
-    assert_ne!(
-        *window.harness.state().camera(),
-        before,
-        "the ground moves again"
-    );
-    assert_eq!(circle(&window), None);
 }
 
 /// Two pictures whose files are gone: what is set does not need them.

@@ -7,6 +7,7 @@ mod basics;
 mod colours;
 mod drawing;
 mod keeping;
+mod lens;
 mod panes;
 mod quality;
 mod shared;

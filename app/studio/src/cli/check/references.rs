@@ -1,6 +1,8 @@
 //! What layers say of each other: masks by areas, examples and areas of detail.
 
-use relievo_engine::project::{ColourDetail, DetailBy, Layer, LayerKind, Project, WrongReference};
+use relievo_engine::project::{
+    ColourDetail, DetailBy, Layer, LayerKind, LensShape, Project, WrongReference,
+};
 
 use super::{Problem, Severity, text_of, unknown_fields};
 
@@ -11,6 +13,14 @@ pub(super) fn problems(project: &Project, found: &mut Vec<Problem>) {
         if let Some(mask) = &layer.mask {
             let at = format!("{place}/mask");
             unknown_fields(&at, mask.extra.keys(), Some(&layer.id), found);
+            if let Some(lens) = &mask.lens {
+                let member = match lens.shape {
+                    LensShape::Circle { .. } => "circle",
+                    LensShape::Polygon { .. } => "polygon",
+                };
+                let at = format!("{at}/{member}");
+                unknown_fields(&at, lens.extra.keys(), Some(&layer.id), found);
+            }
             let named = mask
                 .vector
                 .iter()

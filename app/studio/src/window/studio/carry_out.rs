@@ -16,7 +16,7 @@ use crate::window::messages::Weight;
 use crate::window::palette::Palette;
 use crate::window::panes::Pane;
 use crate::window::tools::Tool;
-use crate::window::tools::lens::with_circle;
+use crate::window::tools::lens::with_lens;
 
 impl Studio {
     /// Carries out what a panel asks for.
@@ -65,7 +65,7 @@ impl Studio {
             Action::Classify(id, recipe) => self.classify(id, recipe),
             Action::PutLens(id) => {
                 let lens = self.usual_lens();
-                self.edit(with_circle(self.document.project(), &id, &lens));
+                self.edit(with_lens(self.document.project(), &id, &lens));
             }
             Action::Export(export) => self.pick(Purpose::Export(export)),
             Action::Hide(pane) => self.layout.hide(pane),
@@ -119,6 +119,12 @@ impl Studio {
             Command::AddContours => {
                 self.add_made("Contours", LayerKind::Contours(ContoursLayer::default()));
             }
+            Command::RemoveLayer if self.has_chosen_corner() => {
+                // The key means the corner that is chosen on the terrain.
+                if let Some(action) = self.without_corner() {
+                    self.carry_out(action, ctx);
+                }
+            }
             Command::RemoveLayer
             | Command::MoveUp
             | Command::MoveDown
@@ -148,7 +154,7 @@ impl Studio {
                     Tool::Observer => self.layout.open(Pane::Viewshed),
                     Tool::Water => self.layout.open(Pane::Flood),
                     Tool::Hole | Tool::Breakline => self.layout.open(Pane::Inspector),
-                    Tool::Lens => {
+                    Tool::Lens | Tool::LensOutline => {
                         self.select_element(None);
                         self.layout.open(Pane::Inspector);
                     }

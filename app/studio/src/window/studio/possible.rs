@@ -31,7 +31,9 @@ impl Studio {
             Command::Compare(_) => !self.document.project().scenarios.is_empty(),
             Command::StopComparing => self.compare.is_some(),
             Command::Use(tool @ (Tool::Hole | Tool::Breakline)) => self.host_of(tool).is_some(),
-            Command::Use(Tool::Lens) => unlocked && layer.is_some_and(|l| l.kind.may_be_masked()),
+            Command::Use(Tool::Lens | Tool::LensOutline) => {
+                unlocked && layer.is_some_and(|l| l.kind.may_be_masked())
+            }
             Command::ClearResults => self.analyses.has_results(),
             Command::Screenshot => self.stage.is_some(),
             Command::New

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Ui};
 use relievo_engine::project::{
-    Corridor, Edit, Element, ElementKind, Polygon, ProfileKind, SectionKind, SurfaceKind, Vertex,
+    Corridor, Edit, Element, ElementKind, LensShape, Polygon, ProfileKind, SectionKind,
+    SurfaceKind, Vertex,
 };
 
 use super::view::{self, Projector};
@@ -45,7 +46,7 @@ impl Studio {
                 self.close_draft(actions);
                 return;
             }
-            if self.tools.draft.last() != Some(&vertex) {
+            if self.tools.draft.last() != Some(&vertex) && self.has_room() {
                 self.tools.draft.push(vertex);
             }
         }
@@ -71,6 +72,11 @@ impl Studio {
             }
             self.tools.draft.clear();
         }
+    }
+
+    /// Whether what is drawn may have a vertex more.
+    fn has_room(&self) -> bool {
+        self.tools.tool != Tool::LensOutline || self.tools.draft.len() < LensShape::MOST_CORNERS
     }
 
     /// The vertex that a pointer means: one of an element or an edge if it is near, or the ground.
@@ -135,6 +141,10 @@ impl Studio {
             return;
         }
         let vertices = std::mem::take(&mut self.tools.draft);
+        if tool == Tool::LensOutline {
+            self.close_lens(&vertices, actions);
+            return;
+        }
         if matches!(tool, Tool::Hole | Tool::Breakline) {
             if let Some(host) = self.host_of(tool) {
                 let (whole, spot) = with_part(&host, tool, vertices);

@@ -1,55 +1,47 @@
-//! A lens on the terrain: the circle in which layers show, dragged from place to place.
+//! A lens on the terrain: the circle or polygon in which layers show, dragged from place to place and
+//! shaped by its corners.
+//!
+//! ```text
+//! press --grip--> corner | middle of an edge | all of it --each frame--> with_lens --> Edit::SetMask
+//! ```
 
-use eframe::egui::{Key, Modifiers, Painter, PointerButton, Rect, Response, Stroke, Ui};
-use glam::DVec3;
+mod grip;
+mod paint;
+pub(in crate::window) mod shape;
+mod share;
+
+use eframe::egui::{Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use relievo_engine::planet::MapPoint;
-use relievo_engine::project::{Edit, Extra, LayerId, Mask, MaskCircle, Project};
+use relievo_engine::project::{Extra, Layer, LayerId, Lens, LensShape, Vertex};
+
+pub(in crate::window) use share::with_lens;
 
 use super::Tool;
-use super::view::Projector;
+use super::view::{self, Projector};
 use crate::window::action::Action;
 use crate::window::studio::Studio;
-
-/// Corners of the drawn circle.
-const CORNERS: u32 = 96;
+use grip::Grip;
 
 /// Part of the distance to the ground that a new lens has as radius.
 const USUAL_PART: f64 = 0.2;
 
-/// A layer's circle changed: for all unlocked layers that share it, so that a lens keeps its stack.
-pub(in crate::window) fn with_circle(project: &Project, id: &LayerId, circle: &MaskCircle) -> Edit {
-    let circle_of = |mask: &Option<Mask>| mask.as_ref().and_then(|m| m.circle.clone());
-    let before = project.layer(id).and_then(|layer| circle_of(&layer.mask));
-    let shares = project.layers.iter().filter(|layer| {
-        layer.id == *id || (before.is_some() && !layer.locked && circle_of(&layer.mask) == before)
-    });
-    let mut edits: Vec<Edit> = shares
-        .map(|layer| {
-            let mask = Mask {
-                circle: Some(circle.clone()),
-                ..layer.mask.clone().unwrap_or_default()
-            };
-            Edit::SetMask {
-                id: layer.id.clone(),
-                mask: Some(Box::new(mask)),
-            }
-        })
-        .collect();
-    match (edits.len(), edits.pop()) {
-        (1, Some(only)) => only,
-        (_, last) => {
-            edits.extend(last);
-            Edit::Batch {
-                label: "Lens".to_owned(),
-                edits,
-            }
-        }
-    }
+/// Part of its radius over which a new lens fades out.
+const USUAL_FADE: f64 = 0.05;
+
+/// What the tool remembers from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct LensTool {
+    /// What is dragged.
+    held: Option<Grip>,
+    /// What a press would take.
+    hover: Option<Grip>,
+    /// The corner that keys act on, and whose.
+    corner: Option<(LayerId, usize)>,
 }
 
 impl Studio {
     /// A circle in the middle of the view, for a layer that has none.
-    pub(in crate::window) fn usual_lens(&self) -> MaskCircle {
+    pub(in crate::window) fn usual_lens(&self) -> Lens {
         let planet = self.document.project().planet.body.figure();
         let camera = self.camera();
         let (place, distance_m) = match self.middle() {
@@ -68,22 +60,37 @@ impl Studio {
         };
         let (lon_deg, lat_deg) = place.to_degrees();
         let radius_m = (USUAL_PART * distance_m).clamp(1.0, planet.radius_m);
-        MaskCircle {
+        Lens {
             lon_deg,
             lat_deg,
-            radius_m: rounded(radius_m),
-            fade_m: rounded(0.05 * radius_m),
+            fade_m: rounded(USUAL_FADE * radius_m),
+            shape: LensShape::Circle {
+                radius_m: rounded(radius_m),
+            },
             extra: Extra::new(),
         }
     }
 
-    /// The selected layer's circle.
-    fn lens(&self) -> Option<&MaskCircle> {
+    /// The selected layer's lens.
+    fn lens(&self) -> Option<&Lens> {
         let layer = self.document.project().layer(self.selected.as_ref()?)?;
-        layer.mask.as_ref()?.circle.as_ref()
+        layer.mask.as_ref()?.lens.as_ref()
     }
 
-    /// The main button moves the selected layer's lens; `true` while it does.
+    /// The selected layer, if its lens may be changed.
+    fn lens_layer(&self) -> Option<&Layer> {
+        let layer = self.document.project().layer(self.selected.as_ref()?)?;
+        (!layer.locked && layer.kind.may_be_masked()).then_some(layer)
+    }
+
+    /// The corner of the selected layer's polygon that keys act on.
+    fn chosen_corner(&self) -> Option<usize> {
+        let (id, index) = self.tools.lens.corner.as_ref()?;
+        let corners_m = shape::corners(self.lens()?)?;
+        (self.selected.as_ref() == Some(id) && *index < corners_m.len()).then_some(*index)
+    }
+
+    /// The main button takes the selected layer's lens or one of its corners; `true` while it does.
     pub(in crate::window) fn drag_lens(
         &mut self,
         ui: &Ui,
@@ -91,66 +98,162 @@ impl Studio {
         response: &Response,
         actions: &mut Vec<Action>,
     ) -> bool {
-        let typing = ui.ctx().text_edit_focused() || self.dialog.is_some();
-        if !typing && ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
-            self.tools.choose(Tool::Select);
+        if self.tools.lens.held.is_none() && !self.lens_keys(ui, actions) {
             return false;
         }
-        let project = self.document.project();
-        let selected = self.selected.as_ref().and_then(|id| project.layer(id));
-        let Some(layer) = selected.filter(|l| !l.locked && l.kind.may_be_masked()) else {
+        let Some(id) = self.lens_layer().map(|layer| layer.id.clone()) else {
+            self.tools.lens = LensTool::default();
             return false;
         };
-        let main = |response: &Response| response.dragged_by(PointerButton::Primary);
         let turns = ui.input(|i| i.modifiers.command);
         let begins = response.drag_started_by(PointerButton::Primary) && !turns;
-        let goes_on = self.tools.moves_lens && main(response);
-        let clicked = response.clicked_by(PointerButton::Primary);
+        let was_held = self.tools.lens.held.is_some();
+        let mut lens = self.lens().cloned();
         if begins {
-            actions.push(Action::BeginDrag);
+            let origin = ui.input(|i| i.pointer.press_origin());
+            self.tools.lens.held = origin.and_then(|at| self.grip_at(rect, at));
+            if self.tools.lens.held.is_some() {
+                actions.push(Action::BeginDrag);
+                lens = self.taken(&id, lens);
+            }
+        } else if response.clicked_by(PointerButton::Primary) && !turns {
+            let at = super::released_at(ui);
+            self.tools.lens.held = at.and_then(|at| self.grip_at(rect, at));
+            lens = self.taken(&id, lens);
+            if self.tools.lens.held == Some(Grip::Centre) {
+                lens = at.and_then(|at| self.dragged(rect, at, lens));
+            }
+            self.tools.lens.held = None;
+            self.change_lens(&id, lens.as_ref(), actions);
+            return false;
         }
-        if (begins || goes_on || clicked)
+        let drags = begins || response.dragged_by(PointerButton::Primary);
+        if self.tools.lens.held.is_some()
+            && drags
             && let Some(at) = ui.input(|i| i.pointer.latest_pos())
-            && let Some(place) = self.ground_point(rect, at)
         {
-            let (lon_deg, lat_deg) = place.to_degrees();
-            let circle = MaskCircle {
-                lon_deg,
-                lat_deg,
-                ..self.lens().cloned().unwrap_or_else(|| self.usual_lens())
-            };
-            actions.push(Action::Edit(with_circle(project, &layer.id, &circle)));
+            lens = self.dragged(rect, at, lens);
+            self.change_lens(&id, lens.as_ref(), actions);
         }
-        if self.tools.moves_lens && response.drag_stopped() {
+        let taken = self.tools.lens.held.is_some();
+        let ends = response.drag_stopped() || !ui.input(|i| i.pointer.any_down());
+        if was_held && ends {
             actions.push(Action::EndDrag);
+            self.tools.lens.held = None;
         }
-        let moves = begins || (goes_on && !response.drag_stopped());
-        let taken = moves || self.tools.moves_lens;
-        self.tools.moves_lens = moves;
+        self.mind_hover(ui, rect, response);
         taken
     }
 
-    /// The rim of the selected layer's lens.
-    pub(super) fn paint_lens(&self, painter: &Painter, projector: &Projector<'_>, stroke: Stroke) {
-        let Some(circle) = self.lens() else { return };
-        let planet = self.document.project().planet.body.figure();
-        let centre = MapPoint::from_degrees(circle.lon_deg, circle.lat_deg).to_unit();
-        let (sin, cos) = (circle.radius_m / planet.radius_m).sin_cos();
-        let east = DVec3::Z.cross(centre).try_normalize().unwrap_or(DVec3::X);
-        let north = centre.cross(east);
-        let corner = |k: u32| {
-            let turn = core::f64::consts::TAU * f64::from(k) / f64::from(CORNERS);
-            let away = east * turn.sin() + north * turn.cos();
-            projector.screen(MapPoint::from_direction(centre * cos + away * sin))
-        };
-        let mut before = corner(0);
-        for k in 1..=CORNERS {
-            let next = corner(k);
-            if let (Some(a), Some(b)) = (before, next) {
-                painter.line_segment([a, b], stroke);
-            }
-            before = next;
+    /// Delete and Backspace take the chosen corner away; Esc ends the tool: `false` then.
+    fn lens_keys(&mut self, ui: &Ui, actions: &mut Vec<Action>) -> bool {
+        if ui.ctx().text_edit_focused() || self.dialog.is_some() || self.palette_is_open() {
+            return true;
         }
+        let (back, escape) = ui.input_mut(|i| {
+            let mut pressed = |key| i.consume_key(Modifiers::NONE, key);
+            (pressed(Key::Backspace), pressed(Key::Escape))
+        });
+        if escape {
+            self.tools.choose(Tool::Select);
+            return false;
+        }
+        if back {
+            actions.extend(self.without_corner());
+        }
+        true
+    }
+
+    /// Takes the chosen corner away and chooses the one before it. `None` where no corner is chosen or too
+    /// few would be left.
+    pub(in crate::window) fn without_corner(&mut self) -> Option<Action> {
+        let index = self.chosen_corner()?;
+        let id = self.lens_layer()?.id.clone();
+        let smaller = shape::removed(self.lens()?, index)?;
+        self.tools.lens.corner = Some((id.clone(), index.saturating_sub(1)));
+        let edit = with_lens(self.document.project(), &id, &smaller);
+        Some(Action::Edit(edit))
+    }
+
+    /// Whether keys act on a corner of a lens.
+    pub(in crate::window) fn has_chosen_corner(&self) -> bool {
+        self.tools.tool == Tool::Lens && self.chosen_corner().is_some()
+    }
+
+    /// What a press at a point of the screen takes.
+    fn grip_at(&self, rect: Rect, at: Pos2) -> Option<Grip> {
+        let planet = self.document.project().planet.body.figure();
+        let projector = Projector::new(self.document.engine(), self.camera(), rect);
+        let place = self.ground_point(rect, at);
+        grip::grip(&projector, planet, self.lens(), at, place)
+    }
+
+    /// The lens once something of it is held: with a corner more where that was the middle of an edge.
+    fn taken(&mut self, id: &LayerId, lens: Option<Lens>) -> Option<Lens> {
+        let (corner, lens) = match self.tools.lens.held {
+            Some(Grip::Corner(index)) => (Some(index), lens),
+            Some(Grip::Middle(after)) => {
+                let more = lens.as_ref().and_then(|lens| shape::inserted(lens, after));
+                self.tools.lens.held = Some(Grip::Corner(after + 1));
+                (Some(after + 1), more.or(lens))
+            }
+            Some(Grip::Whole(_) | Grip::Centre) | None => (None, lens),
+        };
+        self.tools.lens.corner = corner.map(|index| (id.clone(), index));
+        lens
+    }
+
+    /// The lens with what is held of it at a point of the screen.
+    fn dragged(&self, rect: Rect, at: Pos2, lens: Option<Lens>) -> Option<Lens> {
+        let place = self.ground_point(rect, at)?;
+        let lens = lens.unwrap_or_else(|| self.usual_lens());
+        let planet = self.document.project().planet.body.figure();
+        Some(match self.tools.lens.held? {
+            Grip::Corner(index) => shape::with_corner(planet, &lens, index, place),
+            Grip::Whole(taken_m) => shape::carried(planet, &lens, taken_m, place),
+            Grip::Centre => shape::centred(&lens, place),
+            Grip::Middle(_) => lens,
+        })
+    }
+
+    fn change_lens(&self, id: &LayerId, lens: Option<&Lens>, actions: &mut Vec<Action>) {
+        if let Some(lens) = lens.filter(|lens| self.lens() != Some(lens)) {
+            let edit = with_lens(self.document.project(), id, lens);
+            actions.push(Action::Edit(edit));
+        }
+    }
+
+    /// Shows what a press would take.
+    fn mind_hover(&mut self, ui: &Ui, rect: Rect, response: &Response) {
+        let turns = ui.input(|i| i.modifiers.command);
+        let at = response.hover_pos().filter(|_| !turns);
+        let held = self.tools.lens.held;
+        self.tools.lens.hover = held.or_else(|| at.and_then(|at| self.grip_at(rect, at)));
+        if let Some(grip) = self.tools.lens.hover {
+            ui.ctx().set_cursor_icon(grip.cursor(held.is_some()));
+        }
+    }
+
+    /// Gives the selected layer a lens of the outline that was drawn, and takes the tool that moves it.
+    pub(super) fn close_lens(&mut self, outline: &[Vertex], actions: &mut Vec<Action>) {
+        let Some(id) = self.lens_layer().map(|layer| layer.id.clone()) else {
+            return;
+        };
+        let planet = self.document.project().planet.body.figure();
+        let places: Vec<MapPoint> = outline.iter().map(view::place).collect();
+        let (centre, shape) = shape::drawn(planet, &places);
+        let (lon_deg, lat_deg) = centre.to_degrees();
+        let before = self.lens();
+        let radius_m = (shape::area_m2(&shape) / core::f64::consts::PI).sqrt();
+        let lens = Lens {
+            lon_deg,
+            lat_deg,
+            fade_m: before.map_or(rounded(USUAL_FADE * radius_m), |lens| lens.fade_m),
+            extra: before.map_or_else(Extra::new, |lens| lens.extra.clone()),
+            shape,
+        };
+        self.change_lens(&id, Some(&lens), actions);
+        self.tools.choose(Tool::Lens);
     }
 }
 
@@ -162,62 +265,7 @@ fn rounded(length_m: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use relievo_engine::project::{Layer, LayerKind, SlopeLayer};
-
     use super::*;
-
-    fn circle(lon_deg: f64) -> MaskCircle {
-        MaskCircle {
-            lon_deg,
-            lat_deg: 0.0,
-            radius_m: 1000.0,
-            fade_m: 0.0,
-            extra: Extra::new(),
-        }
-    }
-
-    fn layer(id: &str, lens: Option<MaskCircle>) -> Layer {
-        let slopes = LayerKind::Slope(SlopeLayer::default());
-        let mut layer = Layer::new(LayerId::from(id), id, slopes);
-        layer.mask = lens.map(|circle| Mask {
-            circle: Some(circle),
-            ..Mask::default()
-        });
-        layer
-    }
-
-    #[test]
-    fn a_lens_moves_with_all_that_it_shows_and_with_nothing_else() {
-        let mut project = Project {
-            layers: vec![
-                layer("a", Some(circle(1.0))),
-                layer("b", Some(circle(1.0))),
-                layer("c", Some(circle(2.0))),
-                layer("d", None),
-            ],
-            ..Project::default()
-        };
-        let edit = with_circle(&project, &LayerId::from("b"), &circle(5.0));
-        project.apply(edit).unwrap();
-        let lon = |i: usize| {
-            let mask = project.layers[i].mask.as_ref();
-            mask.and_then(|m| m.circle.as_ref()).map(|c| c.lon_deg)
-        };
-        assert_eq!(
-            [0, 1, 2, 3].map(lon),
-            [Some(5.0), Some(5.0), Some(2.0), None]
-        );
-        let edit = with_circle(&project, &LayerId::from("d"), &circle(7.0));
-        project.apply(edit).unwrap();
-        let lon = |i: usize| {
-            let mask = project.layers[i].mask.as_ref();
-            mask.and_then(|m| m.circle.as_ref()).map(|c| c.lon_deg)
-        };
-        assert_eq!(
-            [0, 1, 2, 3].map(lon),
-            [Some(5.0), Some(5.0), Some(2.0), Some(7.0)]
-        );
-    }
 
     #[test]
     fn lengths_are_rounded_to_two_digits() {

@@ -11,8 +11,8 @@ use super::{Tool, handles};
 use crate::window::studio::Studio;
 use crate::window::theme;
 
-const BAND: Color32 = Color32::from_rgb(255, 214, 102);
-const SELECTED: Color32 = Color32::from_rgb(255, 255, 255);
+pub(super) const BAND: Color32 = Color32::from_rgb(255, 214, 102);
+pub(super) const SELECTED: Color32 = Color32::from_rgb(255, 255, 255);
 const OTHER: Color32 = Color32::from_rgba_premultiplied(70, 70, 70, 90);
 
 /// Vertices of elements that are not selected whose outlines are drawn, at most.
@@ -59,7 +59,14 @@ impl Studio {
                     self.paint_lens(&painter, &projector, Stroke::new(1.0, OTHER));
                 }
             }
-            Tool::Lens => self.paint_lens(&painter, &projector, Stroke::new(2.0, BAND)),
+            Tool::Lens => {
+                self.paint_lens(&painter, &projector, Stroke::new(2.0, BAND));
+                self.paint_lens_handles(&painter, &projector);
+            }
+            Tool::LensOutline => {
+                self.paint_lens(&painter, &projector, Stroke::new(1.0, OTHER));
+                self.paint_draft(&painter, &projector);
+            }
             Tool::Polygon | Tool::Hole | Tool::Breakline | Tool::Corridor | Tool::Measure => {
                 self.paint_draft(&painter, &projector);
             }

@@ -89,10 +89,16 @@ impl<'a> Projector<'a> {
             (Some(a), Some(b)) => ((a.distance(b) / 12.0).ceil() as usize).clamp(1, 48),
             _ => 48,
         };
-        let mut runs: Vec<Vec<Pos2>> = vec![Vec::new()];
-        for i in 0..=steps {
+        self.runs((0..=steps).map(|i| {
             let share = i as f64 / steps as f64;
-            let point = MapPoint::from_direction(a.lerp(b, share));
+            MapPoint::from_direction(a.lerp(b, share))
+        }))
+    }
+
+    /// A line through places of the ground, as runs of points on the screen.
+    pub(crate) fn runs(&self, places: impl Iterator<Item = MapPoint>) -> Vec<Vec<Pos2>> {
+        let mut runs: Vec<Vec<Pos2>> = vec![Vec::new()];
+        for point in places {
             match (self.screen(point), runs.last_mut()) {
                 (Some(at), Some(run)) => run.push(at),
                 (None, Some(run)) if !run.is_empty() => runs.push(Vec::new()),
