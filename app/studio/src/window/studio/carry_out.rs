@@ -147,24 +147,7 @@ impl Studio {
             }
             Command::Toggle(pane) => self.layout.toggle(pane),
             Command::ResetPanes => self.layout.reset(),
-            Command::Use(tool) => {
-                self.tools.choose(tool);
-                match tool {
-                    Tool::Select => {}
-                    Tool::Observer => self.layout.open(Pane::Viewshed),
-                    Tool::Water => self.layout.open(Pane::Flood),
-                    Tool::Hole | Tool::Breakline => self.layout.open(Pane::Inspector),
-                    Tool::Lens | Tool::LensOutline => {
-                        self.select_element(None);
-                        self.layout.open(Pane::Inspector);
-                    }
-                    Tool::Polygon | Tool::Corridor | Tool::Brush | Tool::Measure => {
-                        if !self.layout.is_open(Pane::Elements) {
-                            self.layout.open(Pane::Elements);
-                        }
-                    }
-                }
-            }
+            Command::Use(tool) => self.take_tool(tool),
             Command::Compare(mode) => {
                 let other = self.usual_other();
                 self.compare_with(other, mode);
@@ -190,6 +173,26 @@ impl Studio {
                 self.document.engine_mut().retry();
             }
             Command::Help => self.dialog = Some(Dialog::Help),
+        }
+    }
+
+    /// Takes a tool for the terrain, and shows the pane that belongs to it.
+    fn take_tool(&mut self, tool: Tool) {
+        self.tools.choose(tool);
+        match tool {
+            Tool::Select => {}
+            Tool::Observer => self.layout.open(Pane::Viewshed),
+            Tool::Water => self.layout.open(Pane::Flood),
+            Tool::Hole | Tool::Breakline => self.layout.open(Pane::Inspector),
+            Tool::Lens | Tool::LensOutline => {
+                self.select_element(None);
+                self.layout.open(Pane::Inspector);
+            }
+            Tool::Polygon | Tool::Corridor | Tool::Brush | Tool::Measure => {
+                if !self.layout.is_open(Pane::Elements) {
+                    self.layout.open(Pane::Elements);
+                }
+            }
         }
     }
 
