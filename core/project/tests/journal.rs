@@ -283,7 +283,11 @@ fn a_program_killed_at_any_moment_loses_nothing_that_was_on_disk() {
     let mut durable = kill_child(&path, None);
     let first_save = started.elapsed();
     let (mut saved, mut recovered) = (0, 0);
-    for kill in 0..kills {
+    // More often where the machine has so much else to do that one of both does not happen.
+    for kill in 0..10 * kills {
+        if kill >= kills && saved > 0 && recovered > 0 {
+            break;
+        }
         // From before it opened the project to after some saves.
         let hash = blake3::hash(&kill.to_le_bytes()).as_bytes()[0];
         let delay = first_save.mul_f64(f64::from(hash) / 128.0);

@@ -555,9 +555,14 @@ fn distances_to_an_edge_are_those_to_the_outline_and_to_holes() {
         none += usize::from(*d <= 0.0);
     }
     assert!(far > 1000 && none > 1000, "{far} {none}");
-    // Neighbours lie 80 m apart, and distances between coarse pixels are interpolated.
+    // Neighbours lie 80 m apart, and distances between coarse pixels are interpolated. How far outside a
+    // place lies is not said everywhere.
     for row in distance.samples().chunks_exact(600) {
-        assert!(row.windows(2).all(|p| (p[0] - p[1]).abs() < 160.0));
+        let inside = |d: f32| d.clamp(0.0, 3000.0);
+        assert!(
+            row.windows(2)
+                .all(|p| (inside(p[0]) - inside(p[1])).abs() < 160.0)
+        );
     }
     let part = edge
         .distances_m(&warp, &part_of(&grid, 37, 101, 90, 70))

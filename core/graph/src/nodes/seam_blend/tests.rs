@@ -2,6 +2,8 @@
 
 mod places;
 
+use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+
 use proptest::prelude::*;
 use relievo_planet::{GridCrs, LevelKey, MapPoint, TileKey};
 use relievo_raster::{Cancel, SampleType};
@@ -20,6 +22,18 @@ const PLACE: glam::I64Vec2 = glam::I64Vec2::new(5_000_000, 2_097_152);
 struct Painted<F> {
     bands: Bands,
     paint: F,
+    /// Of all that are painted another one: a function has no name.
+    number: u64,
+}
+
+fn painted<F>(bands: Bands, paint: F) -> Arc<Painted<F>> {
+    static NUMBERS: AtomicU64 = AtomicU64::new(0);
+    let number = NUMBERS.fetch_add(1, Ordering::Relaxed);
+    Arc::new(Painted {
+        bands,
+        paint,
+        number,
+    })
 }
 
 impl<F: Fn(MapPoint, glam::I64Vec2) -> [f32; 4] + Send + Sync> ImageNode for Painted<F> {
@@ -36,7 +50,7 @@ impl<F: Fn(MapPoint, glam::I64Vec2) -> [f32; 4] + Send + Sync> ImageNode for Pai
     }
 
     fn identify(&self, grid: &Grid, id: &mut IdHasher) {
-        id.grid(grid);
+        id.int(self.number as i64).grid(grid);
     }
 
     fn render(&self, job: &Job, _inputs: &[&Block], out: &mut Block) -> Result<(), RenderError> {
@@ -60,16 +74,14 @@ impl<F: Fn(MapPoint, glam::I64Vec2) -> [f32; 4] + Send + Sync> ImageNode for Pai
 fn colours(
     paint: impl Fn(MapPoint, glam::I64Vec2) -> [f32; 4] + Send + Sync + 'static,
 ) -> Arc<dyn ImageNode> {
-    let bands = Bands::Colour;
-    Arc::new(Painted { bands, paint })
+    painted(Bands::Colour, paint)
 }
 
 fn masks(
     paint: impl Fn(MapPoint, glam::I64Vec2) -> f32 + Send + Sync + 'static,
 ) -> Arc<dyn ImageNode> {
-    Arc::new(Painted {
-        bands: Bands::Mask,
-        paint: move |place, sample| [paint(place, sample), 0.0, 0.0, 0.0],
+    painted(Bands::Mask, move |place, sample| {
+        [paint(place, sample), 0.0, 0.0, 0.0]
     })
 }
 
@@ -486,12 +498,13 @@ fn everything_that_decides_is_part_of_the_name() {
 #[test]
 fn a_change_of_what_is_below_far_along_the_reach_renames_a_tile() {
     let tile = TileKey::new(FINE, PLACE.x / 256, PLACE.y / 256).expect("inside");
+    let top = west_of_place(0.5);
     let id = |value: f32| {
         let mut b = GraphBuilder::default();
         let held = around(-40, 0, 30, 30);
         let patch = Block::filled(Bands::Colour, 30, 30, &grey(value));
         let below = b.add(Arc::new(crate::nodes::Memory::new(&held, patch)), &[]);
-        let layer = b.add(west_of_place(0.5), &[]);
+        let layer = b.add(Arc::clone(&top), &[]);
         let node = SeamBlend::new(Planet::EARTH, 64.0 * spacing_m(FINE), false);
         let blended = b.add(Arc::new(node), &[below, layer]);
         b.cut(blended, SampleType::Rgba8);
@@ -503,8 +516,6 @@ fn a_change_of_what_is_below_far_along_the_reach_renames_a_tile() {
 
 #[test]
 fn below_layers_over_layers_every_sample_is_made_once() {
-    use core::sync::atomic::{AtomicUsize, Ordering};
-
     static MADE: AtomicUsize = AtomicUsize::new(0);
     let mut b = GraphBuilder::default();
     let ground = colours(|_, _| {
