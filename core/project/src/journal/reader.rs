@@ -89,6 +89,9 @@ impl Recovery {
                 });
             }
         };
+        if is_only_begun(&bytes) {
+            return Ok(None);
+        }
         let Some(mut recovery) = Self::read(&bytes, project, path, stamp) else {
             return Err(RecoveryError::NoJournal {
                 path: path.to_owned(),
@@ -212,6 +215,17 @@ impl Recovery {
 fn places(project: &Path, state_folder: Option<&Path>) -> impl Iterator<Item = PathBuf> {
     let in_state = state_folder.map(|folder| in_state_folder(project, folder));
     core::iter::once(beside(project)).chain(in_state)
+}
+
+/// Whether a journal was begun and not even its beginning came to be whole, as a kill at that moment leaves
+/// it: no edit is behind it.
+fn is_only_begun(bytes: &[u8]) -> bool {
+    let Some(rest) = bytes.strip_prefix(MAGIC) else {
+        return MAGIC.starts_with(bytes);
+    };
+    // The object that it holds is not closed.
+    let payload = rest.get(RECORD_HEAD_BYTES..).unwrap_or_default();
+    !payload.contains(&b'}')
 }
 
 /// The first record and what follows; `None` where there is no whole one.
