@@ -5,7 +5,9 @@
 
 use core::ops::RangeInclusive;
 
-use eframe::egui::{self, Align, ComboBox, Layout, Sense, Slider, SliderClamping, Ui, vec2};
+use eframe::egui::{
+    self, Align, Color32, ComboBox, Layout, Sense, Slider, SliderClamping, TextStyle, Ui, vec2,
+};
 use relievo_engine::project::Edit;
 
 use super::action::Action;
@@ -13,7 +15,7 @@ use super::action::Action;
 /// Width of names in points.
 const NAME_WIDTH: f32 = 92.0;
 
-/// Width of number fields in points.
+/// Width of number fields in points, at least.
 const NUMBER_WIDTH: f32 = 62.0;
 
 /// What is known of a number.
@@ -94,8 +96,9 @@ pub(crate) fn number(
 ) {
     ui.horizontal(|ui| {
         let name = name(ui, number.name, value != number.default).on_hover_text(number.tooltip());
-        ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
-        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDTH - 12.0).max(40.0);
+        let field = field_width(ui, number, value);
+        ui.spacing_mut().interact_size.x = field;
+        ui.spacing_mut().slider_width = (ui.available_width() - field - 12.0).max(40.0);
         let mut new = value;
         let mut slider = Slider::new(&mut new, number.range.clone())
             .clamping(SliderClamping::Edits)
@@ -125,6 +128,18 @@ pub(crate) fn number(
             actions.push(Action::EndDrag);
         }
     });
+}
+
+/// Width of the field of a number: a value that needs more than usual takes it from the slider, not from
+/// the pane.
+fn field_width(ui: &Ui, number: &Number, value: f64) -> f32 {
+    let text = format!("{value:.*}{}", number.decimals, number.unit);
+    let font = TextStyle::Button.resolve(ui.style());
+    let size = ui
+        .painter()
+        .layout_no_wrap(text, font, Color32::WHITE)
+        .size();
+    NUMBER_WIDTH.max(size.x + 2.0 * ui.spacing().button_padding.x)
 }
 
 /// A row with a choice between few things.
