@@ -373,12 +373,14 @@ impl Compiler<'_> {
         let warp = self.warp(layer, file, source)?;
         // Holes that are filled are no edges.
         let filled = matches!(&layer.kind, LayerKind::Imagery(i) if i.missing.is_some());
-        let name = format!("edge {filled} {} {:?}", address(file), self.planet);
+        // A slider that widens the fade rarely asks for distances anew.
+        let most_m = 2.0_f64.powi(width_m.log2().ceil() as i32).max(width_m);
+        let name = format!("edge {filled} {most_m} {} {:?}", address(file), self.planet);
         let node = self.same(name, || {
             if filled {
-                EdgeDistances::to_outline(warp)
+                EdgeDistances::to_outline(warp, most_m)
             } else {
-                EdgeDistances::new(warp)
+                EdgeDistances::new(warp, most_m)
             }
         });
         let distances = self.add(layer, node, &[]);

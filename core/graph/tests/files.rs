@@ -66,9 +66,9 @@ impl RasterFile for Flat {
     }
 }
 
-/// The file over a ground of 2 m, faded over `width_m`.
-fn faded(width_m: f64) -> (Graph, NodeIndex) {
-    let warp = Flat::warp(true);
+/// The file, perhaps with holes, over a ground of 2 m, faded over `width_m`.
+fn faded(holes: bool, width_m: f64) -> (Graph, NodeIndex) {
+    let warp = Flat::warp(holes);
     let mut b = GraphBuilder::default();
     let ground = b.add(Arc::new(Constant::height(2.0)), &[]);
     let file = b.add(
@@ -80,7 +80,7 @@ fn faded(width_m: f64) -> (Graph, NodeIndex) {
         )),
         &[],
     );
-    let distances = b.add(Arc::new(EdgeDistances::new(warp)), &[]);
+    let distances = b.add(Arc::new(EdgeDistances::new(warp, width_m)), &[]);
     let mask = RangeMask::new(width_m, f64::NAN, width_m);
     let fade = b.add(Arc::new(mask), &[distances]);
     let over = b.add(
@@ -152,7 +152,7 @@ fn a_file_without_holes_is_complete_where_it_covers_a_grid_well() {
 
 #[test]
 fn a_file_fades_into_the_ground_towards_its_edge() {
-    let (graph, node) = faded(200_000.0);
+    let (graph, node) = faded(true, 200_000.0);
     let height_m = |lon| {
         graph
             .evaluate(node, &grid_at(lon, 4.0), &Cancel::default())
@@ -168,7 +168,7 @@ fn a_file_fades_into_the_ground_towards_its_edge() {
 #[test]
 fn tiles_beyond_a_file_are_named_as_if_it_were_not_there() {
     let far = TileKey::new(LevelKey::new(4, 3), 1, 1).unwrap();
-    let (graph, node) = faded(1000.0);
+    let (graph, node) = faded(true, 1000.0);
     let mut b = GraphBuilder::default();
     let ground = b.add(Arc::new(Constant::height(2.0)), &[]);
     b.cut(ground, SampleType::Height);
@@ -177,10 +177,28 @@ fn tiles_beyond_a_file_are_named_as_if_it_were_not_there() {
         b.build().content_id(ground, far)
     );
     assert_eq!(graph.made_by(node, &far.grid()), [NodeIndex(0)]);
-    let (other, other_node) = faded(2000.0);
+    let (other, other_node) = faded(true, 2000.0);
     let near = TileKey::new(LevelKey::new(4, 3), 8, 3).unwrap();
     assert_ne!(
         graph.content_id(node, near),
         other.content_id(other_node, near)
     );
+}
+
+#[test]
+fn well_inside_a_file_that_fades_nothing_below_it_is_looked_at() {
+    let grid = grid_at(4.0, 4.0);
+    let makers = |holes, width_m| {
+        let (graph, node) = faded(holes, width_m);
+        let height_m = graph.evaluate(node, &grid, &Cancel::default()).unwrap();
+        assert_eq!(height_m.samples()[0], 10.0);
+        let made_by = graph.made_by(node, &grid);
+        made_by.into_iter().map(|n| graph.node(n).kind()).collect()
+    };
+    let alone: Vec<&str> = makers(false, 50_000.0);
+    assert_eq!(alone, ["file"]);
+    let with_holes: Vec<&str> = makers(true, 50_000.0);
+    assert!(with_holes.contains(&"edge distances"), "{with_holes:?}");
+    let near_its_edge: Vec<&str> = makers(false, 440_000.0);
+    assert!(near_its_edge.contains(&"constant"), "{near_its_edge:?}");
 }

@@ -4,6 +4,7 @@
 //! outline (exactly, in its own plane) and to holes inside of it (on a coarse copy of its mask,
 //! exact between the copy's pixels). Bits depend on places only, so blocks and wholes agree.
 
+use glam::DVec2;
 use relievo_planet::Grid;
 
 use crate::file::{Cancel, PixelRect, ReadError};
@@ -87,6 +88,31 @@ impl EdgeDistance {
     /// Whether there is no edge at all: a globe without holes.
     pub fn is_endless(&self) -> bool {
         self.holes.is_none() && self.has_outline == [false; 3]
+    }
+
+    /// Metres from the outline that all samples of a grid have at least, holes or not, without looking at any:
+    /// the same each time, and never too many. 0 where nothing is known.
+    pub fn least_m(warp: &Warp, grid: &Grid) -> f64 {
+        if warp.outline() == [false; 3] {
+            return f64::INFINITY;
+        }
+        // Places are approximated by less than a pixel.
+        const SLACK: f64 = 1.0;
+        let Some([low, high]) = warp.span(grid) else {
+            return 0.0;
+        };
+        let full = warp.file().info().overviews[0];
+        let size = DVec2::new(f64::from(full.width), f64::from(full.height));
+        let (west_north, east_south) = (low - SLACK, size - high - SLACK);
+        let [sides, first, last] = warp.outline();
+        // Pixels of a geographic source are narrowest where it is nearest to a pole: at an end.
+        let ends = [low.y, high.y].map(|row| warp.pixel_size_m(row.clamp(0.0, size.y)));
+        let pixel_m = DVec2::from_array(ends[0]).min(DVec2::from_array(ends[1]));
+        let beyond = |is_edge: bool, m: f64| if is_edge { m } else { f64::INFINITY };
+        beyond(sides, west_north.x.min(east_south.x) * pixel_m.x)
+            .min(beyond(first, west_north.y * pixel_m.y))
+            .min(beyond(last, east_south.y * pixel_m.y))
+            .max(0.0)
     }
 
     /// Metres from each sample of a grid to the edge ([`Bands::Height`]): 0 and below outside, [`f32::MAX`]

@@ -102,7 +102,8 @@ pub struct Warp {
     kernel: Kernel,
     approximation: Approximation,
     finest_step_rad: f64,
-    covered: coverage::Memory,
+    covered: coverage::Memory<Coverage>,
+    spans: coverage::Memory<Option<[DVec2; 2]>>,
 }
 
 impl core::fmt::Debug for Warp {
@@ -136,6 +137,7 @@ impl Warp {
             approximation: Approximation::default(),
             finest_step_rad,
             covered: coverage::Memory::default(),
+            spans: coverage::Memory::default(),
         })
     }
 
@@ -180,6 +182,13 @@ impl Warp {
         }
         let find = || coverage::coverage(&self.source, &self.extent, grid);
         self.covered.of(grid, find)
+    }
+
+    /// Between which pixels of the full image, continuous, a grid lies; never too narrow, remembered. `None`
+    /// where part of it has no place there.
+    pub(crate) fn span(&self, grid: &Grid) -> Option<[DVec2; 2]> {
+        let find = || coverage::span(&self.source, grid);
+        self.spans.of(grid, find)
     }
 
     /// Whether the file's image ends at its sides, at its first row and at its last.

@@ -13,15 +13,19 @@ use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 
 const KIND: &str = "edge distances";
 
-/// Metres to a source's edge, given as heights: 0 and below outside, [`f32::MAX`] where there is no edge.
-/// No inputs.
+/// Metres to a source's edge, given as heights: 0 and below outside, never more than what is asked for. No
+/// inputs.
 ///
-/// A [`RangeMask`](super::RangeMask) over it fades a source out towards its edge. Distances come from an
-/// artefact ([`EdgeDistance`]) that is prepared once, when the first sample is asked for; see there for the
-/// formula and its limits.
+/// A [`RangeMask`](super::RangeMask) over it fades a source out towards its edge. Where all samples of a grid
+/// are known to be so far inside, they are uniform, and nothing of what lies below is looked at. Distances
+/// come from an artefact ([`EdgeDistance`]) that is prepared once, when the first sample is asked for; see
+/// there for the formula and its limits.
 #[derive(Debug)]
 pub struct EdgeDistances {
     warp: Arc<Warp>,
+    most_m: f32,
+    /// Whether there may be holes that count.
+    has_holes: bool,
     name: ContentId,
     distance: OnceLock<EdgeDistance>,
     /// Held while preparing, so that it happens once.
@@ -29,24 +33,40 @@ pub struct EdgeDistances {
 }
 
 impl EdgeDistances {
-    /// To the file's outline and to the holes inside of it.
-    pub fn new(warp: Arc<Warp>) -> Self {
-        Self {
-            name: place_name(&warp),
-            warp,
-            distance: OnceLock::new(),
-            preparing: Mutex::new(()),
+    /// To the file's outline and to the holes inside of it. Distances beyond `most_m` metres are given as
+    /// that; one that is no number, or below 0, counts as 0.
+    pub fn new(warp: Arc<Warp>, most_m: f64) -> Self {
+        if !warp.file().info().may_have_holes {
+            return Self::to_outline(warp, most_m);
         }
+        Self::with(warp, most_m, true, OnceLock::new())
     }
 
     /// To the file's outline alone, as if it had no holes.
-    pub fn to_outline(warp: Arc<Warp>) -> Self {
-        let mut all = Self::new(warp);
+    pub fn to_outline(warp: Arc<Warp>, most_m: f64) -> Self {
+        let distance = EdgeDistance::to_outline(&warp);
+        Self::with(warp, most_m, false, OnceLock::from(distance))
+    }
+
+    fn with(
+        warp: Arc<Warp>,
+        most_m: f64,
+        has_holes: bool,
+        distance: OnceLock<EdgeDistance>,
+    ) -> Self {
+        let most_m = if most_m > 0.0 { most_m as f32 } else { 0.0 };
         let mut id = IdHasher::default();
-        id.bytes(b"outline").id(all.name);
-        all.name = id.finish();
-        all.distance = OnceLock::from(EdgeDistance::to_outline(&all.warp));
-        all
+        id.id(place_name(&warp))
+            .float(f64::from(most_m))
+            .int(i64::from(has_holes));
+        Self {
+            warp,
+            most_m,
+            has_holes,
+            name: id.finish(),
+            distance,
+            preparing: Mutex::new(()),
+        }
     }
 
     fn distance(&self, cancel: &Cancel) -> Result<&EdgeDistance, RenderError> {
@@ -99,6 +119,12 @@ impl ImageNode for EdgeDistances {
         // to be prepared already.
         match self.warp.coverage(grid) {
             Coverage::Outside => Known::Uniform([0.0; 4]),
+            Coverage::Inside
+                if !self.has_holes
+                    && EdgeDistance::least_m(&self.warp, grid) >= f64::from(self.most_m) =>
+            {
+                Known::Uniform([self.most_m, 0.0, 0.0, 0.0])
+            }
             Coverage::Inside | Coverage::Partial => Known::Complete,
         }
     }
@@ -109,6 +135,9 @@ impl ImageNode for EdgeDistances {
             node: KIND,
             reason: error.to_string(),
         })?;
+        for v in out.samples_mut() {
+            *v = if *v < self.most_m { *v } else { self.most_m };
+        }
         Ok(())
     }
 }

@@ -19,8 +19,8 @@ const REMEMBERED: usize = 16_384;
 
 /// What was found for grids of the map: following an outline through a projection takes long, and
 /// names are asked for whenever a project changes.
-#[derive(Debug, Default)]
-pub(super) struct Memory(Mutex<HashMap<Place, Coverage>>);
+#[derive(Debug)]
+pub(super) struct Memory<T>(Mutex<HashMap<Place, T>>);
 
 /// A map grid by its bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,9 +30,15 @@ struct Place {
     rect: SampleRect,
 }
 
-impl Memory {
-    /// The coverage of a grid, found by `find` unless it is remembered.
-    pub(super) fn of(&self, grid: &Grid, find: impl FnOnce() -> Coverage) -> Coverage {
+impl<T> Default for Memory<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Copy> Memory<T> {
+    /// What is so of a grid, found by `find` unless it is remembered.
+    pub(super) fn of(&self, grid: &Grid, find: impl FnOnce() -> T) -> T {
         let lattice = &grid.lattice;
         if lattice.crs != GridCrs::Map {
             return find();
@@ -45,13 +51,13 @@ impl Memory {
         if let Some(known) = self.0.lock().get(&place) {
             return *known;
         }
-        let coverage = find();
+        let found = find();
         let mut remembered = self.0.lock();
         if remembered.len() >= REMEMBERED {
             remembered.clear();
         }
-        remembered.insert(place, coverage);
-        coverage
+        remembered.insert(place, found);
+        found
     }
 }
 
@@ -249,6 +255,14 @@ pub(crate) fn coverage(source: &SourcePlane, extent: &Extent, grid: &Grid) -> Co
 
 /// Whether a grid's corners and middles lie well inside a source that is not upright.
 fn inside_by_points(source: &SourcePlane, grid: &Grid) -> bool {
+    span(source, grid).is_some_and(|[low, high]| {
+        low.cmpge(DVec2::splat(1e-6)).all() && high.cmple(source.size - 1e-6).all()
+    })
+}
+
+/// Between which pixels of the full image, continuous, a grid lies; never too narrow. `None` where part of it
+/// has no place there.
+pub(crate) fn span(source: &SourcePlane, grid: &Grid) -> Option<[DVec2; 2]> {
     const SIDE: usize = 5;
     let corner = |p: glam::I64Vec2| grid.lattice.origin + p.as_dvec2() * grid.lattice.step;
     let (a, b) = (corner(grid.rect.min), corner(grid.rect.max));
@@ -256,7 +270,7 @@ fn inside_by_points(source: &SourcePlane, grid: &Grid) -> bool {
         GridCrs::Map => None,
         GridCrs::Projected(name) => match plane::parse_crs(name) {
             Ok(crs) => Some(crs),
-            Err(_) => return false,
+            Err(_) => return None,
         },
     };
     let pixels: Option<Vec<DVec2>> = (0..SIDE * SIDE)
@@ -278,7 +292,10 @@ fn inside_by_points(source: &SourcePlane, grid: &Grid) -> bool {
             )
         })
         .collect();
-    let Some(pixels) = pixels else { return false };
+    let pixels = pixels?;
+    if !pixels.iter().all(|p| p.is_finite()) {
+        return None;
+    }
     // Between points a smooth map strays by less than a quarter of their distance.
     let mut stride = DVec2::ZERO;
     for (i, p) in pixels.iter().enumerate() {
@@ -287,8 +304,8 @@ fn inside_by_points(source: &SourcePlane, grid: &Grid) -> bool {
             stride = stride.max((*p - *q).abs());
         }
     }
-    let margin = stride * 0.25 + 1e-6;
-    pixels
-        .iter()
-        .all(|p| p.cmpge(margin).all() && p.cmple(source.size - margin).all())
+    let margin = stride * 0.25;
+    let low = pixels.iter().copied().reduce(DVec2::min)?;
+    let high = pixels.iter().copied().reduce(DVec2::max)?;
+    Some([low - margin, high + margin])
 }

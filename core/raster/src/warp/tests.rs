@@ -583,3 +583,35 @@ fn a_globe_has_no_edge() {
         .expect("a known system");
     assert!(distance.samples().iter().all(|d| *d == f32::MAX));
 }
+
+proptest! {
+    #[test]
+    fn no_sample_is_nearer_to_the_outline_than_what_is_known_of_its_grid(
+        n in 7..12_u8, lon in -112.0..-111.0_f64, lat in 40.2..40.8_f64, width in 1..300_i64, height in 1..300_i64,
+    ) {
+        use crate::edge::EdgeDistance;
+        for warp in [warp(utm(300, 2, |_, _| 1.0)), warp(globe(64, -180.0, 0, |_, _| 1.0))] {
+            let grid = level_grid(n, lon, lat, width, height);
+            let least = EdgeDistance::least_m(&warp, &grid);
+            let edge = EdgeDistance::to_outline(&warp);
+            let all = edge.distances_m(&warp, &grid).expect("a known system");
+            let nearest = all.samples().iter().copied().fold(f32::INFINITY, f32::min);
+            prop_assert!(least <= f64::from(nearest.max(0.0)) || nearest == f32::MAX, "{least} {nearest}");
+        }
+    }
+}
+
+#[test]
+fn what_is_known_of_a_grid_in_the_middle_is_nearly_all_of_its_distance() {
+    use crate::edge::EdgeDistance;
+    let warp = warp(utm(300, 2, |_, _| 1.0));
+    let (place, size_m) = warp.middle().expect("on the map");
+    let (lon_deg, lat_deg) = place.to_degrees();
+    let grid = level_grid(14, lon_deg, lat_deg, 4, 4);
+    let least = EdgeDistance::least_m(&warp, &grid);
+    let half_m = 0.5 * size_m[0].min(size_m[1]);
+    assert!(
+        least > 0.95 * half_m && least <= half_m,
+        "{least} of {half_m}"
+    );
+}
