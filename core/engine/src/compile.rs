@@ -95,7 +95,8 @@ pub(crate) struct Compiled {
 impl Compiled {
     /// The scene; names that `last` knows and that are the same are not found out again.
     pub(crate) fn into_scene(self, revision: u64, last: Option<&Scene>) -> Scene {
-        Scene::new(
+        let mixed_apart = self.mixed_apart;
+        let mut scene = Scene::new(
             (revision, last),
             Arc::new(self.graph),
             self.roots,
@@ -103,8 +104,9 @@ impl Compiled {
             self.layers,
             self.details,
             self.left_out,
-            self.mixed_apart,
-        )
+        );
+        scene.mixed_apart = mixed_apart;
+        scene
     }
 }
 

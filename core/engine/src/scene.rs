@@ -109,7 +109,6 @@ impl Scene {
         layers: LayerNodes,
         details: Vec<Detail>,
         left_out: Vec<(LayerId, &'static str)>,
-        mixed_apart: bool,
     ) -> Self {
         let mut names = FxHashMap::default();
         if let Some(last) = last {
@@ -126,7 +125,7 @@ impl Scene {
             layers,
             details,
             left_out,
-            mixed_apart,
+            mixed_apart: false,
             drag: None,
             names: Mutex::new(names),
         }

@@ -2,7 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::collections::{BTreeMap, HashSet};
+#[path = "common/screen.rs"]
+mod screen;
+
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,8 +15,8 @@ use relievo_engine::project::{
     Adjust, Blend, Edit, Extra, Layer, LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer,
     NoiseMode, Project, Tint, TintInterpolation, TintLayer, TintStop,
 };
-use relievo_engine::raster::Sample;
-use relievo_engine::{ClipKind, Engine, EngineOptions, Upload, View};
+use relievo_engine::{ClipKind, Engine, EngineOptions, View};
+use screen::{Part, picture};
 
 /// Height colours, adjusted, seen through.
 fn tint(id: &str, blend: Blend, low: [u8; 3], high: [u8; 3]) -> Layer {
@@ -98,43 +101,28 @@ fn set_gamma(engine: &mut Engine, gamma: f64) {
     engine.apply(Edit::SetAdjust { id, adjust }).unwrap();
 }
 
-/// Colours in the windows: red, green, blue, alpha by level and place in its storage.
-type Colours = BTreeMap<(u32, u32, u32), [u8; 4]>;
-
-/// Copies what goes into windows, as textures do.
-fn copy(upload: &Upload, to: &mut Colours) {
-    let sample = |x: u32, y: u32| match upload.tile.sample(x as usize, y as usize) {
-        Sample::Rgba8(rgba) => rgba,
-        other => panic!("expected colours of 8 bits, found {other:?}"),
-    };
-    for y in 0..upload.size[1] {
-        for x in 0..upload.size[0] {
-            let [left, top] = upload.source;
-            let at = (upload.layer, upload.storage[0] + x, upload.storage[1] + y);
-            to.insert(at, sample(left + x, top + y));
-        }
-    }
-}
-
-/// Drains until the picture is whole and nothing is made; the colours that went into windows since, from
-/// how many tiles, and how many were made.
-fn settle(engine: &mut Engine) -> (Colours, usize, usize) {
-    let mut colours = Colours::new();
+/// Drains until the picture is whole and nothing is made: how many tiles of colours went into windows since,
+/// and how many were made.
+fn settle(engine: &mut Engine) -> (usize, usize) {
     let mut tiles = HashSet::new();
     for _ in 0..4000 {
         let frame = engine.drain(f32::INFINITY).unwrap();
-        for upload in &frame.uploads {
-            if upload.clipmap == ClipKind::Colour {
-                copy(upload, &mut colours);
-                tiles.insert(Arc::as_ptr(&upload.tile));
-            }
-        }
+        let colours = frame.uploads.iter();
+        let colours = colours.filter(|upload| upload.clipmap == ClipKind::Colour);
+        tiles.extend(colours.map(|upload| Arc::as_ptr(&upload.tile)));
         let idle = engine.wait(Duration::from_millis(50));
         if idle && frame.is_converged() && frame.uploads.is_empty() {
-            return (colours, tiles.len(), engine.take_log().len());
+            return (tiles.len(), engine.take_log().len());
         }
     }
     panic!("does not converge: {:?}", engine.stats());
+}
+
+/// The colours of all tiles of the picture.
+fn colours(engine: &mut Engine) -> Vec<Part> {
+    let tiles = picture(engine).into_iter();
+    let colours = tiles.filter(|((kind, _), _)| *kind == ClipKind::Colour);
+    colours.map(|(_, part)| part).collect()
 }
 
 const MIXED: [Blend; 4] = [Blend::Normal; 4];
@@ -147,10 +135,10 @@ fn what_lies_around_a_dragged_layer_is_made_for_the_first_change_and_not_again()
         settle(&mut engine);
         engine.begin_drag();
         set_gamma(&mut engine, 1.1);
-        let (_, shown, made) = settle(&mut engine);
+        let (shown, made) = settle(&mut engine);
         assert!(made > shown, "what is kept, too: {made} for {shown}");
         set_gamma(&mut engine, 1.2);
-        let (_, shown, made) = settle(&mut engine);
+        let (shown, made) = settle(&mut engine);
         assert!(shown > 0);
         assert_eq!(made, shown, "one tile where one is shown");
     }
@@ -160,30 +148,35 @@ fn what_lies_around_a_dragged_layer_is_made_for_the_first_change_and_not_again()
 fn a_drag_shows_what_is_right_to_a_255th_and_let_go_to_the_bit() {
     for blends in [MIXED, LOOKING_DOWN] {
         let mut typed = engine(blends);
-        settle(&mut typed);
         set_gamma(&mut typed, 1.4);
-        let (exact, ..) = settle(&mut typed);
+        let exact = colours(&mut typed);
         let mut engine = engine(blends);
-        let (mut shown, ..) = settle(&mut engine);
+        settle(&mut engine);
         engine.begin_drag();
         for gamma in [1.2, 1.4] {
             set_gamma(&mut engine, gamma);
-            shown.extend(settle(&mut engine).0);
+            settle(&mut engine);
         }
-        let mut off = 0;
-        for (at, exact) in &exact {
-            for (a, b) in exact.iter().zip(shown[at]) {
-                assert!(a.abs_diff(b) <= 1, "{at:?}");
-                off += usize::from(*a != b);
+        let dragged = colours(&mut engine);
+        assert_eq!(dragged.len(), exact.len());
+        let (mut off, mut values) = (0, 0);
+        for (exact, dragged) in exact.iter().zip(&dragged) {
+            assert_eq!(exact.rect, dragged.rect);
+            let both = exact
+                .texels
+                .as_flattened()
+                .iter()
+                .zip(dragged.texels.as_flattened());
+            for (a, b) in both {
+                assert!(a.abs_diff(*b) <= 1, "{a} {b}");
+                off += usize::from(a != b);
+                values += 1;
             }
         }
-        let values = 4 * exact.len();
+        assert!(off > 0, "another graph");
         assert!(off * 1000 < values, "{off} of {values} values differ");
         engine.end_drag();
-        shown.extend(settle(&mut engine).0);
-        for (at, exact) in &exact {
-            assert_eq!(shown[at], *exact, "{at:?}");
-        }
+        assert!(colours(&mut engine) == exact, "to the bit");
     }
 }
 
@@ -201,7 +194,7 @@ fn a_drag_with_nothing_above_ends_without_another_revision() {
     settle(&mut engine);
     let before = engine.drain(f32::INFINITY).unwrap().revision;
     engine.end_drag();
-    let (_, shown, made) = settle(&mut engine);
+    let (shown, made) = settle(&mut engine);
     assert_eq!((shown, made), (0, 0));
     assert_eq!(engine.drain(f32::INFINITY).unwrap().revision, before);
 }
@@ -225,7 +218,7 @@ fn moments_of_a_drag_leave_nothing_behind_and_what_was_before_it_stays() {
     settle(&mut engine);
     for back in [Engine::undo, Engine::redo] {
         assert!(back(&mut engine).unwrap());
-        let (_, shown, made) = settle(&mut engine);
+        let (shown, made) = settle(&mut engine);
         assert!(shown > 0);
         assert_eq!(made, 0, "what was before the drag, and where it ended");
     }

@@ -13,6 +13,8 @@ use crate::{Bands, Block};
 
 /// Longest side in pixels of the coarse copy in which holes are looked for.
 const COARSE_SIDE: u32 = 1024;
+/// Places are approximated by less, in pixels.
+const SLACK_PX: f64 = 1.0;
 /// A pixel of the copy is a hole where less than this share of it is valid.
 const VALID_SHARE: f32 = 0.5;
 
@@ -96,14 +98,12 @@ impl EdgeDistance {
         if warp.outline() == [false; 3] {
             return f64::INFINITY;
         }
-        // Places are approximated by less than a pixel.
-        const SLACK: f64 = 1.0;
         let Some([low, high]) = warp.span(grid) else {
             return 0.0;
         };
         let full = warp.file().info().overviews[0];
         let size = DVec2::new(f64::from(full.width), f64::from(full.height));
-        let (west_north, east_south) = (low - SLACK, size - high - SLACK);
+        let (west_north, east_south) = (low - SLACK_PX, size - high - SLACK_PX);
         let [sides, first, last] = warp.outline();
         // Pixels of a geographic source are narrowest where it is nearest to a pole: at an end.
         let ends = [low.y, high.y].map(|row| warp.pixel_size_m(row.clamp(0.0, size.y)));
