@@ -110,11 +110,12 @@ impl Compiled {
     }
 }
 
-/// The layer that is being edited.
+/// The layers that are being edited.
 #[derive(Clone, Copy)]
 pub(crate) struct Pinned<'a> {
-    pub(crate) layer: &'a LayerId,
-    /// Whether it changes from moment to moment: what lies above it is then kept too, put together by
+    pub(crate) lowest: &'a LayerId,
+    pub(crate) topmost: &'a LayerId,
+    /// Whether they change from moment to moment: what lies above them is then kept too, put together by
     /// itself, which rounds otherwise than layer by layer.
     pub(crate) dragged: bool,
 }
@@ -122,7 +123,7 @@ pub(crate) struct Pinned<'a> {
 /// What a graph shall serve, besides what the project says.
 #[derive(Default)]
 pub(crate) struct Wish<'a> {
-    /// The layer that is being edited: what lies around it is kept.
+    /// The layers that are being edited: what lies around them is kept.
     pub(crate) pinned: Option<Pinned<'a>>,
     /// Colours over all others that say how the ground differs from that of another project.
     pub(crate) difference: Option<(&'a Project, HeightDifference)>,
@@ -377,7 +378,8 @@ impl Compiler<'_> {
         let filled = matches!(&layer.kind, LayerKind::Imagery(i) if i.missing.is_some());
         // A slider that widens the fade rarely asks for distances anew.
         let most_m = 2.0_f64.powi(width_m.log2().ceil() as i32).max(width_m);
-        let name = format!("edge {filled} {most_m} {} {:?}", address(file), self.planet);
+        let (file, kernel) = (address(file), source.resampling);
+        let name = format!("edge {filled} {most_m} {file} {kernel:?} {:?}", self.planet);
         let node = self.same(name, || {
             if filled {
                 EdgeDistances::to_outline(warp, most_m)

@@ -3,11 +3,13 @@
 mod ahead;
 mod asking;
 mod bodies;
+mod edited;
 mod edits;
 mod exaggeration;
 mod follow;
 mod keeping;
 mod leaving_out;
+mod moments;
 mod options;
 mod overlays;
 mod picture;
@@ -26,7 +28,7 @@ use relievo_graph::ContentId;
 use relievo_planet::MapPoint;
 use relievo_planet::clipmap::plan::HeightRange;
 use relievo_planet::clipmap::{Plan, Planner};
-use relievo_project::{History, LayerId, Project, ScenarioId};
+use relievo_project::{History, Project, ScenarioId};
 use relievo_tiles::{LogEntry, TileState, Tiles};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -70,8 +72,7 @@ pub struct Engine {
     tiles: Tiles,
     tally: Option<Tally>,
     messages: Messages,
-    /// The layer that is being edited: what lies below it is pinned.
-    pinned: Option<LayerId>,
+    edited: edited::Edited,
     difference: Option<(Option<ScenarioId>, HeightDifference)>,
     synthesised: overlays::Synthesised,
     /// What lies over the project's colours.
@@ -168,7 +169,7 @@ impl Engine {
             tiles: Tiles::new(tile_options)?,
             tally,
             messages: Messages::default(),
-            pinned: None,
+            edited: edited::Edited::default(),
             difference: None,
             synthesised: overlays::Synthesised::default(),
             marks: Vec::new(),
@@ -287,8 +288,9 @@ impl Engine {
         } else {
             UPLOADS_PER_FRAME
         };
-        self.update_windows(&mut budget, &mut uploads, dt_s);
+        let left = self.update_windows(&mut budget, &mut uploads, dt_s);
         self.ask(!dt_s.is_infinite());
+        self.dirty |= left;
         // New heights can move the focus and uncover ground, and windows take their final shape step by
         // step: the plan must fit what it led to.
         self.dirty |= self.plan.as_ref().is_some_and(|p| !p.settled);

@@ -12,8 +12,9 @@ use std::time::Duration;
 
 use relievo_engine::planet::Camera;
 use relievo_engine::project::{
-    Adjust, Blend, Edit, Extra, Layer, LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer,
-    NoiseMode, Project, Tint, TintInterpolation, TintLayer, TintStop,
+    Adjust, Blend, Detail, DetailLayer, Edit, Element, ElementId, ElementKind, Extra, Layer,
+    LayerId, LayerKind, Mask, MaskRange, Noise, NoiseLayer, NoiseMode, Polygon, Project,
+    SurfaceKind, Tint, TintInterpolation, TintLayer, TintStop, Vertex,
 };
 use relievo_engine::{ClipKind, Engine, EngineOptions, View};
 use screen::{Part, picture};
@@ -222,4 +223,85 @@ fn moments_of_a_drag_leave_nothing_behind_and_what_was_before_it_stays() {
         assert!(shown > 0);
         assert_eq!(made, 0, "what was before the drag, and where it ended");
     }
+}
+
+#[test]
+fn what_only_a_moment_reads_is_forgotten_with_it() {
+    // What an overlay of synthesised ground lies on is stored for itself, and changes with every moment.
+    let mut engine = engine(MIXED);
+    let detail = LayerKind::Detail(DetailLayer {
+        detail: Detail::default(),
+    });
+    let layer = Box::new(Layer::new(LayerId::from("detail"), "detail", detail));
+    let index = Some(1);
+    engine.apply(Edit::AddLayer { index, layer }).unwrap();
+    engine.show_synthesised(true);
+    settle(&mut engine);
+    engine.begin_drag();
+    let bytes_after = |engine: &mut Engine, steps: core::ops::Range<u32>| {
+        for k in steps {
+            set_gamma(engine, 1.1 + 0.01 * f64::from(k));
+            settle(engine);
+        }
+        engine.stats().tiles.cache_bytes
+    };
+    let few = bytes_after(&mut engine, 0..3);
+    let many = bytes_after(&mut engine, 3..12);
+    assert_eq!(many, few);
+}
+
+#[test]
+fn a_drag_of_a_planning_element_after_a_slider_makes_no_colours_again_elsewhere() {
+    let mut engine = engine(MIXED);
+    settle(&mut engine);
+    set_gamma(&mut engine, 1.2);
+    settle(&mut engine);
+    engine.begin_drag();
+    // A place that is not in view.
+    for k in 0..3 {
+        let west = -80.0 + 0.001 * f64::from(k);
+        let corners = [(west, 10.0), (west + 0.01, 10.0), (west, 10.01)];
+        let corners = corners.map(|(lon, lat)| Vertex::new(lon, lat)).to_vec();
+        let platform = SurfaceKind::Platform { height_m: 40.0 };
+        let kind = ElementKind::Polygon(Polygon::new(corners, platform));
+        let element = Arc::new(Element::new(ElementId::from("pad"), "pad", kind));
+        let edit = if k == 0 {
+            Edit::AddElement {
+                scenario: None,
+                index: None,
+                element,
+            }
+        } else {
+            Edit::ReplaceElement {
+                scenario: None,
+                element,
+            }
+        };
+        engine.apply(edit).unwrap();
+        assert_eq!(settle(&mut engine), (0, 0), "step {k}");
+    }
+    engine.end_drag();
+    assert_eq!(settle(&mut engine), (0, 0));
+}
+
+#[test]
+fn two_layers_that_are_dragged_together_are_pinned_around_both() {
+    let both = |engine: &mut Engine, opacity: f64| {
+        let set = |id: &str| Edit::SetOpacity {
+            id: LayerId::from(id),
+            opacity,
+        };
+        let edits = vec![set("dragged"), set("above-1")];
+        let label = "Both".to_owned();
+        engine.apply(Edit::Batch { label, edits }).unwrap();
+    };
+    let mut engine = engine(MIXED);
+    settle(&mut engine);
+    engine.begin_drag();
+    both(&mut engine, 0.5);
+    settle(&mut engine);
+    both(&mut engine, 0.55);
+    let (shown, made) = settle(&mut engine);
+    assert!(shown > 0);
+    assert_eq!(made, shown, "nothing around them is made again");
 }

@@ -1,74 +1,20 @@
 //! Raster files as nodes: what is known of them, their holes, and their fading edges.
 
-use std::path::PathBuf;
+#[path = "common/flat.rs"]
+mod flat;
+
 use std::sync::Arc;
 
+use flat::Flat;
 use relievo_graph::nodes::{Constant, EdgeDistances, FileSource, OverlayHeights, RangeMask};
 use relievo_graph::{Graph, GraphBuilder, ImageNode, Known, NodeIndex};
 use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
-use relievo_raster::file::{Georeference, OverviewInfo, ReadError};
 use relievo_raster::kernel::Kernel;
-use relievo_raster::warp::Warp;
-use relievo_raster::{Bands, Block, Cancel, PixelRect, RasterFile, RasterInfo, SampleType};
-
-const SIDE: u32 = 64;
-
-/// 64 × 64 heights of 10 m, 8 by 8 degrees around (4° E, 4° N).
-struct Flat(RasterInfo);
-
-impl Flat {
-    fn warp(may_have_holes: bool) -> Arc<Warp> {
-        let info = RasterInfo {
-            path: PathBuf::from("flat"),
-            format: "memory",
-            overviews: vec![OverviewInfo {
-                width: SIDE,
-                height: SIDE,
-            }],
-            bands: Bands::Height,
-            band_count: 1,
-            sample_type: "float32".into(),
-            compression: "none".into(),
-            deep_colour: false,
-            nodata: None,
-            may_have_holes,
-            georeference: Some(Georeference {
-                crs: "EPSG:4326".into(),
-                plane_from_pixel: [0.0, 0.125, 0.0, 8.0, 0.0, -0.125],
-            }),
-        };
-        Arc::new(
-            Warp::new(Arc::new(Self(info)), Planet::EARTH, Kernel::Bilinear)
-                .expect("a file with a place"),
-        )
-    }
-}
-
-impl RasterFile for Flat {
-    fn info(&self) -> &RasterInfo {
-        &self.0
-    }
-
-    fn fingerprint(&self) -> [u8; 32] {
-        [7; 32]
-    }
-
-    fn read(
-        &self,
-        _overview: usize,
-        rect: PixelRect,
-        out: &mut Block,
-        _cancel: &Cancel,
-    ) -> Result<(), ReadError> {
-        out.reshape(Bands::Height, rect.width as usize, rect.height as usize);
-        out.samples_mut().fill(10.0);
-        Ok(())
-    }
-}
+use relievo_raster::{Bands, Cancel, SampleType};
 
 /// The file, perhaps with holes, over a ground of 2 m, faded over `width_m`.
 fn faded(holes: bool, width_m: f64) -> (Graph, NodeIndex) {
-    let warp = Flat::warp(holes);
+    let warp = Flat::warp(holes, Planet::EARTH);
     let mut b = GraphBuilder::default();
     let ground = b.add(Arc::new(Constant::height(2.0)), &[]);
     let file = b.add(
@@ -102,7 +48,7 @@ fn grid_at(lon_deg: f64, lat_deg: f64) -> Grid {
 
 #[test]
 fn heights_are_scaled_and_there_are_none_beyond_the_file() {
-    let node = FileSource::new(Flat::warp(true), Kernel::Bilinear, 2.0, 1.0);
+    let node = FileSource::new(Flat::warp(true, Planet::EARTH), Kernel::Bilinear, 2.0, 1.0);
     assert!(
         node.known(&grid_at(-60.0, 0.0), &[])
             .is_absent(Bands::Height)
@@ -128,7 +74,7 @@ fn heights_are_scaled_and_there_are_none_beyond_the_file() {
 #[test]
 fn a_file_without_holes_is_complete_where_it_covers_a_grid_well() {
     let known = |holes: bool, lon_deg: f64, samples: i64| {
-        let node = FileSource::new(Flat::warp(holes), Kernel::Bilinear, 1.0, 0.0);
+        let node = FileSource::new(Flat::warp(holes, Planet::EARTH), Kernel::Bilinear, 1.0, 0.0);
         let grid = grid_at(lon_deg, 4.0);
         let at = grid.rect.min;
         let grid = grid.with_rect(SampleRect::at(at.x, at.y, samples, samples));
@@ -201,4 +147,17 @@ fn well_inside_a_file_that_fades_nothing_below_it_is_looked_at() {
     assert!(with_holes.contains(&"edge distances"), "{with_holes:?}");
     let near_its_edge: Vec<&str> = makers(false, 440_000.0);
     assert!(near_its_edge.contains(&"constant"), "{near_its_edge:?}");
+}
+
+#[test]
+fn distances_to_an_edge_are_other_ones_on_another_planet() {
+    let name = |planet| {
+        let mut b = GraphBuilder::default();
+        let warp = Flat::warp(true, planet);
+        let distances = b.add(Arc::new(EdgeDistances::new(warp, 1000.0)), &[]);
+        b.build().evaluation_id(distances, &grid_at(1.0, 4.0))
+    };
+    let moon = Planet::sphere(1_737_400.0);
+    assert_ne!(name(Planet::EARTH), name(moon));
+    assert_eq!(name(moon), name(moon));
 }

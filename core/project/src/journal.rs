@@ -123,7 +123,7 @@ impl Journal {
         // Of a run of edits of one value only the last matters.
         let key = edit.merge_key();
         // Where a change stands among others depends on those before.
-        let key = key.filter(|_| !matches!(edit, Edit::SetChange { .. }));
+        let key = key.filter(|_| !places_change(edit));
         if key.is_some()
             && let Some(Entry::Edit(last)) = shared.entries.last_mut()
             && last.merge_key() == key
@@ -184,6 +184,14 @@ impl Drop for Journal {
             drop(thread.join());
         }
     }
+}
+
+/// Whether an edit puts a change among those of a scenario.
+fn places_change(edit: &Edit) -> bool {
+    if let Edit::Batch { edits, .. } = edit {
+        return edits.iter().any(places_change);
+    }
+    matches!(edit, Edit::SetChange { .. })
 }
 
 /// Begins a journal.

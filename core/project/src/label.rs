@@ -193,7 +193,7 @@ impl Edit {
         format!("{what} {name}")
     }
 
-    /// Edits with equal keys set the same value of the same thing.
+    /// Edits with equal keys set the same value of the same thing; batches, those of their edits.
     #[expect(
         clippy::wildcard_enum_match_arm,
         reason = "most edits set a value of one layer, one element, or the project"
@@ -202,7 +202,6 @@ impl Edit {
         let thing = match self {
             Self::AddLayer { .. }
             | Self::RemoveLayer { .. }
-            | Self::Batch { .. }
             | Self::AddElement { .. }
             | Self::RemoveElement { .. }
             | Self::AddScenario { .. }
@@ -212,6 +211,10 @@ impl Edit {
             | Self::SetScenarioLayer { .. }
             | Self::AddBookmark { .. }
             | Self::RemoveBookmark { .. } => return None,
+            Self::Batch { edits, .. } => {
+                let keys: Option<Vec<_>> = edits.iter().map(Self::merge_key).collect();
+                format!("{:?}", keys?)
+            }
             Self::ReplaceBookmark { index, .. } => index.to_string(),
             Self::SetChanges { scenario: id, .. }
             | Self::RenameScenario { id, .. }

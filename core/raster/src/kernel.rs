@@ -25,6 +25,17 @@ pub enum Kernel {
     Bicubic,
 }
 
+impl Kernel {
+    /// A number for names, never reused.
+    pub fn tag(self) -> i64 {
+        match self {
+            Self::Nearest => 0,
+            Self::Bilinear => 1,
+            Self::Bicubic => 2,
+        }
+    }
+}
+
 /// A window of one or four planes, inside larger ones.
 pub(crate) struct Window<'a> {
     pub(crate) planes: &'a [&'a [f32]],

@@ -148,6 +148,16 @@ impl Warp {
         self
     }
 
+    /// The planet that it lies on.
+    pub fn planet(&self) -> &Planet {
+        &self.planet
+    }
+
+    /// How it is resampled.
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
     /// The file.
     pub fn file(&self) -> &Arc<dyn RasterFile> {
         &self.file

@@ -43,13 +43,13 @@ impl Compiler<'_> {
                 continue;
             }
             below = self.lay_kept_over(below, above.take());
-            let pinned = pinned.filter(|pinned| *pinned.layer == layer.id);
-            if let (Some(_), Some(below)) = (pinned, below) {
+            let is_lowest = pinned.is_some_and(|pinned| *pinned.lowest == layer.id);
+            if let (true, Some(below)) = (is_lowest, below) {
                 // What lies below the layer that is being edited is kept as exact f32, so that a
                 // slider never evaluates it again. Exact, so no byte of the result changes.
                 self.pin(below);
             }
-            is_above |= pinned.is_some_and(|pinned| pinned.dragged);
+            is_above |= pinned.is_some_and(|pinned| pinned.dragged && *pinned.topmost == layer.id);
             below = self.colour_layer(layer, project, below, ground).or(below);
         }
         below = self.lay_kept_over(below, above);

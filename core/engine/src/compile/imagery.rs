@@ -256,7 +256,8 @@ impl Compiler<'_> {
         let [r, g, b] = missing.map(|v| f32::from(v) / 255.0);
         let none = self.add(layer, Arc::new(Constant::colour([0.0; 4])), &[]);
         let colour = self.add(layer, Arc::new(Constant::colour([r, g, b, 1.0])), &[]);
-        let name = format!("outline {} {:?}", address(file), self.planet);
+        let (file, kernel) = (address(file), imagery.source.resampling);
+        let name = format!("outline {file} {kernel:?} {:?}", self.planet);
         let outline = self.same(name, || OutlineMask::new(warp));
         let outline = self.add(layer, outline, &[]);
         // Places are dear, and no slider changes them.

@@ -44,12 +44,13 @@ impl Engine {
         }
     }
 
+    /// Brings windows up to date. Whether something is left that is there but more than `budget` copies.
     pub(super) fn update_windows(
         &mut self,
         budget: &mut usize,
         uploads: &mut Vec<Upload>,
         dt_s: f32,
-    ) {
+    ) -> bool {
         let shown = Arc::clone(&self.shown);
         let (arrived, tiles, sources) = (&self.arrived, &self.tiles, &self.sources);
         let lasts = |state: &TileState| match state {
@@ -68,6 +69,7 @@ impl Engine {
         if !left && self.making.is_none() {
             self.arrived.clear();
         }
+        left
     }
 
     /// Asks the scheduler for what is missing: for a revision that is being made what it will be

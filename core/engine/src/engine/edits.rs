@@ -10,6 +10,7 @@ use relievo_project::{
 };
 
 use super::Engine;
+use super::edited::Edited;
 use super::options::{EngineOptions, OpenError, folder_of};
 
 impl Engine {
@@ -35,14 +36,18 @@ impl Engine {
     pub fn begin_drag(&mut self) {
         self.history.begin_drag(&self.project);
         self.drags += 1;
+        self.edited = Edited::default();
         self.before_drag = Some(Arc::clone(self.target()));
     }
 
     /// Ends a drag.
     pub fn end_drag(&mut self) {
+        self.history.end_drag(&self.project);
         // To the last bit as if nobody had dragged.
         self.stale |= self.target().mixed_apart;
-        self.history.end_drag(&self.project);
+        if !self.stale {
+            self.before_drag = None;
+        }
     }
 
     /// Ends a drag and takes it back.
@@ -141,6 +146,8 @@ impl Engine {
     }
 
     fn changed(&mut self, affects: &[Affects]) {
+        // Layers of which a value changed, and whether anything else did that is seen.
+        let (mut layers, mut others) = (Vec::new(), false);
         for affect in affects {
             match affect {
                 Affects::Layer { aspect, .. } | Affects::Element { aspect, .. }
@@ -153,7 +160,7 @@ impl Engine {
                 Affects::Element { .. }
                 | Affects::Scenario { .. }
                 | Affects::Base
-                | Affects::Shown => self.stale = true,
+                | Affects::Shown => (self.stale, others) = (true, true),
                 Affects::Layer { id, aspect } => {
                     self.stale = true;
                     let edits_value = matches!(
@@ -168,7 +175,11 @@ impl Engine {
                             | Aspect::Tint
                             | Aspect::Style
                     );
-                    self.pinned = edits_value.then(|| id.clone());
+                    if edits_value {
+                        layers.push(id);
+                    } else {
+                        others = true;
+                    }
                 }
                 Affects::Planet | Affects::Exaggeration => {
                     self.stale = true;
@@ -176,6 +187,12 @@ impl Engine {
                 }
                 Affects::Camera | Affects::Sun | Affects::Quality => self.dirty = true,
             }
+        }
+        if others || !layers.is_empty() {
+            if !self.history.is_dragging() {
+                self.edited = Edited::default();
+            }
+            self.edited.take(layers, others);
         }
         self.sources.require(&self.project, &self.folder);
     }

@@ -11,7 +11,7 @@ use relievo_planet::TileKey;
 use super::Engine;
 use super::asking::named;
 use super::overlays::Synthesised;
-use crate::compile::{self, Pinned};
+use crate::compile;
 use crate::frame::ClipKind;
 use crate::scenarios::as_shown;
 use crate::scene::Scene;
@@ -22,6 +22,9 @@ impl Engine {
     /// is finished first, so a drag cannot starve the fine levels.
     pub(super) fn recompile(&mut self) {
         self.hear_of_sources();
+        let drags = self.history.is_dragging();
+        // However a drag ended: to the last bit as if there had been none.
+        self.stale |= !drags && self.target().mixed_apart;
         if self.stale && std::mem::take(&mut self.stuck) {
             // It reads a file that is no more, so it would never be finished.
             self.making = None;
@@ -34,10 +37,7 @@ impl Engine {
         let compared = self.difference.as_ref();
         let compared = compared.map(|(of, by)| (as_shown(&self.project, of.as_ref()), *by));
         let wish = compile::Wish {
-            pinned: self.pinned.as_ref().map(|layer| Pinned {
-                layer,
-                dragged: self.history.is_dragging(),
-            }),
+            pinned: self.edited.pinned(&self.project, drags),
             difference: compared.as_ref().map(|(other, by)| (&**other, *by)),
             synthesised: self.synthesised == Synthesised::Coloured,
             marks: &self.marks,
@@ -52,7 +52,7 @@ impl Engine {
         self.nodes.keep(&mut compiled);
         self.messages.replace_sources(&compiled.problems);
         let mut scene = compiled.into_scene(self.revisions, Some(&self.shown));
-        scene.drag = self.history.is_dragging().then_some(self.drags);
+        scene.drag = drags.then_some(self.drags);
         self.making = Some(Arc::new(scene));
         self.dirty = true;
     }
@@ -109,31 +109,10 @@ impl Engine {
         if let Some(scene) = self.making.take() {
             let before = std::mem::replace(&mut self.shown, scene);
             self.forget_moment(&before);
-            if self.shown.drag.is_none() {
+            if !self.history.is_dragging() {
                 self.before_drag = None;
             }
             self.dirty = true;
         }
-    }
-
-    /// Forgets tiles of a moment of a drag once it is replaced: to undo leads back to before all of the
-    /// drag, so nobody comes back to them, and they would push out what is of use.
-    fn forget_moment(&self, before: &Scene) {
-        let goes_on = before.drag.is_some() && before.drag == self.shown.drag;
-        let Some(plan) = self.plan.as_ref().filter(|_| goes_on || before.mixed_apart) else {
-            return;
-        };
-        let of = |scene: &Scene, kind, key| Some(scene.name(scene.root(kind)?, key));
-        let passed = plan
-            .wanted_tiles()
-            .into_iter()
-            .flat_map(|(kind, key)| named(before, kind, key))
-            .filter(|(kind, key, id)| {
-                [Some(&self.shown), self.before_drag.as_ref()]
-                    .into_iter()
-                    .flatten()
-                    .all(|scene| of(scene, *kind, *key) != Some(*id))
-            });
-        self.tiles.forget(passed.map(|(.., id)| id));
     }
 }

@@ -13,12 +13,11 @@ use crate::{ContentId, IdHasher, ImageNode, Job, Known, RenderError};
 
 const KIND: &str = "edge distances";
 
-/// Metres to a source's edge, given as heights: 0 and below outside, never more than what is asked for. No
-/// inputs.
+/// Metres to a source's edge, given as heights: 0 outside, never more than what is asked for. No inputs.
 ///
 /// A [`RangeMask`](super::RangeMask) over it fades a source out towards its edge. Where all samples of a grid
 /// are known to be so far inside, they are uniform, and nothing of what lies below is looked at. Distances
-/// come from an artefact ([`EdgeDistance`]) that is prepared once, when the first sample is asked for; see
+/// come from what is prepared once for the node ([`EdgeDistance`]), when the first sample is asked for; see
 /// there for the formula and its limits.
 #[derive(Debug)]
 pub struct EdgeDistances {
@@ -83,10 +82,15 @@ impl EdgeDistances {
     }
 }
 
-/// Name of a file's data and of where they lie.
+/// Name of a file's data, of where they lie, and of how they are laid there.
 pub(super) fn place_name(warp: &Warp) -> ContentId {
     let mut id = IdHasher::default();
-    id.bytes(&warp.file().fingerprint());
+    let planet = warp.planet();
+    id.bytes(&warp.file().fingerprint())
+        .float(planet.radius_m)
+        .float(planet.equatorial_radius_m)
+        .float(planet.flattening)
+        .int(warp.kernel().tag());
     if let Some(place) = &warp.file().info().georeference {
         id.bytes(place.crs.as_bytes());
         for v in place.plane_from_pixel {
@@ -137,6 +141,7 @@ impl ImageNode for EdgeDistances {
         })?;
         for v in out.samples_mut() {
             *v = if *v < self.most_m { *v } else { self.most_m };
+            *v = if *v > 0.0 { *v } else { 0.0 };
         }
         Ok(())
     }

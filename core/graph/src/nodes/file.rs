@@ -32,11 +32,7 @@ impl FileSource {
         let offset_m = if offset_m.is_finite() { offset_m } else { 0.0 };
         let mut id = IdHasher::default();
         id.bytes(&warp.file().fingerprint());
-        id.int(match kernel {
-            Kernel::Nearest => 0,
-            Kernel::Bilinear => 1,
-            Kernel::Bicubic => 2,
-        });
+        id.int(kernel.tag());
         // The finest step stands for the planet that the file was laid on.
         id.float(scale)
             .float(offset_m)

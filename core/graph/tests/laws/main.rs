@@ -2,6 +2,8 @@
 //!
 //! A new node is added to [`registry()`]; nothing else is needed.
 
+#[path = "../common/flat.rs"]
+mod flat;
 mod registry;
 
 use std::collections::BTreeMap;

@@ -7,9 +7,9 @@ use relievo_graph::ImageNode;
 use relievo_graph::nodes::{
     AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, ColourDetail, ColourDetailParams,
     ColourDetailSource, Constant, ContourLines, ContourStyle, Detail, DetailMethod, DetailParams,
-    DiscMask, Earthwork, ExampleAt, HeightDifference, MaskProduct, Memory, Noise, NoiseParams,
-    Normals, Overlay, OverlayHeights, PlacedElement, PolygonMask, RangeMask, SeamBlend, SlopeAngle,
-    Stop, Tint, Vector,
+    DiscMask, Earthwork, EdgeDistances, ExampleAt, HeightDifference, MaskProduct, Memory, Noise,
+    NoiseParams, Normals, OutlineMask, Overlay, OverlayHeights, PlacedElement, PolygonMask,
+    RangeMask, SeamBlend, SlopeAngle, Stop, Tint, Vector,
 };
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
@@ -17,6 +17,7 @@ use relievo_vector::style::Length;
 use relievo_vector::{Builder, Drawing, Style};
 
 use crate::fill;
+use crate::flat::Flat;
 
 /// A node with sample parameters, and the bands that it reads.
 pub(crate) struct Entry {
@@ -365,6 +366,27 @@ fn of_colours() -> Vec<Entry> {
             &[Bands::Mask, Bands::Mask],
         ),
         entry("alpha mask", Arc::new(AlphaMask), &[Bands::Colour]),
+        entry(
+            "edge distances",
+            Arc::new(EdgeDistances::new(
+                Flat::warp(true, Planet::EARTH),
+                150_000.0,
+            )),
+            &[],
+        ),
+        entry(
+            "distances to an outline",
+            Arc::new(EdgeDistances::to_outline(
+                Flat::warp(true, Planet::EARTH),
+                150_000.0,
+            )),
+            &[],
+        ),
+        entry(
+            "outline mask",
+            Arc::new(OutlineMask::new(Flat::warp(true, Planet::EARTH))),
+            &[],
+        ),
         entry("seam blend", seam_blend(3e6, false), COLOURS),
         entry("masked seam blend", seam_blend(3e6, true), MASKED),
         entry("narrow seam blend", seam_blend(200_000.0, false), COLOURS),

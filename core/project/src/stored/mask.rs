@@ -18,7 +18,7 @@ fields! {
         slopes: Option<With<MaskSlopes>>,
         /// A circle on the ground; anywhere where left out.
         circle: Option<With<MaskCircle>>,
-        /// A polygon on the ground, where there is no circle; anywhere where left out.
+        /// A polygon on the ground, never beside a circle; anywhere where left out.
         polygon: Option<With<MaskPolygon>>,
         /// Id of a vector layer, hidden or not, whose areas count; none where left out.
         vector: Option<String>,

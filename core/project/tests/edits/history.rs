@@ -23,6 +23,34 @@ fn a_whole_drag_is_one_step_back_to_where_it_began() {
 }
 
 #[test]
+fn a_drag_that_sets_values_of_two_layers_leaves_a_step_as_small_as_one_of_its_edits() {
+    let both = |value: f64| Edit::Batch {
+        label: "Both".to_owned(),
+        edits: ["blue-marble", "tint"]
+            .map(|id| Edit::SetOpacity {
+                id: id.into(),
+                opacity: value,
+            })
+            .to_vec(),
+    };
+    let (mut project, mut history) = (everything(), History::default());
+    history.begin_drag(&project);
+    for i in 0..100 {
+        history
+            .apply(&mut project, both(f64::from(i) / 100.0))
+            .unwrap();
+    }
+    history.end_drag(&project);
+    let Some(Edit::Batch { edits, .. }) = history.undo(&mut project).unwrap() else {
+        panic!("one batch");
+    };
+    assert_eq!(edits.len(), 2);
+    assert_eq!(project.to_json(), EVERYTHING);
+    history.redo(&mut project).unwrap();
+    assert_eq!(project.layers[0].opacity, 0.99);
+}
+
+#[test]
 fn a_cancelled_drag_leaves_no_trace() {
     let (mut project, mut history) = (everything(), History::default());
     history.begin_drag(&project);

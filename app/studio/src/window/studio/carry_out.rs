@@ -119,12 +119,6 @@ impl Studio {
             Command::AddContours => {
                 self.add_made("Contours", LayerKind::Contours(ContoursLayer::default()));
             }
-            Command::RemoveLayer if self.has_chosen_corner() => {
-                // The key means the corner that is chosen on the terrain.
-                if let Some(action) = self.without_corner() {
-                    self.carry_out(action, ctx);
-                }
-            }
             Command::RemoveLayer
             | Command::MoveUp
             | Command::MoveDown

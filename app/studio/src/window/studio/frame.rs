@@ -41,6 +41,11 @@ impl Studio {
                 // What was typed after its keys in one slow frame is for it.
                 pressed.retain(|c| *c == Command::Palette);
             }
+            if self.has_chosen_corner() && pressed.contains(&Command::RemoveLayer) {
+                // The key means the corner that is chosen on the terrain.
+                pressed.retain(|c| *c != Command::RemoveLayer);
+                actions.extend(self.without_corner());
+            }
             pressed.retain(|c| self.is_possible(*c));
             actions.extend(pressed.into_iter().map(Action::Run));
         }

@@ -132,7 +132,8 @@ impl Studio {
             && drags
             && let Some(at) = ui.input(|i| i.pointer.latest_pos())
         {
-            lens = self.dragged(rect, at, lens);
+            // Over the sky nothing moves; a corner that was just made is there all the same.
+            lens = self.dragged(rect, at, lens.clone()).or(lens);
             self.change_lens(&id, lens.as_ref(), actions);
         }
         let taken = self.tools.lens.held.is_some();
@@ -177,7 +178,9 @@ impl Studio {
 
     /// Whether keys act on a corner of a lens.
     pub(in crate::window) fn has_chosen_corner(&self) -> bool {
-        self.tools.tool == Tool::Lens && self.chosen_corner().is_some()
+        self.tools.tool == Tool::Lens
+            && self.tools.lens.held.is_none()
+            && self.chosen_corner().is_some()
     }
 
     /// What a press at a point of the screen takes.

@@ -90,7 +90,7 @@ pub(super) fn show(
             let changed = if polygon {
                 shape::as_polygon(lens)
             } else {
-                shape::as_circle(lens)
+                shape::as_circle(project.planet.body.figure(), lens)
             };
             with_lens(project, id, &changed)
         });

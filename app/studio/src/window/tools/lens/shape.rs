@@ -174,10 +174,23 @@ pub(in crate::window) fn as_polygon(lens: &Lens) -> Lens {
     with_corners(lens, (0..CORNERS_OF_CIRCLE).map(corner).collect())
 }
 
-/// The lens as a circle of its area.
-pub(in crate::window) fn as_circle(lens: &Lens) -> Lens {
+/// The lens as a circle of its area around the middle of it.
+pub(in crate::window) fn as_circle(planet: Planet, lens: &Lens) -> Lens {
+    let Some(corners_m) = corners(lens) else {
+        return lens.clone();
+    };
     let radius_m = (area_m2(&lens.shape) / core::f64::consts::PI).sqrt();
+    let points: Vec<DVec2> = corners_m.iter().map(|c| DVec2::from_array(*c)).collect();
+    let centre_m = centroid(&points);
+    // Where it is in the middle already, not a digit of its place changes.
+    let (lon_deg, lat_deg) = if centre_m.length() < 1e-3 {
+        (lens.lon_deg, lens.lat_deg)
+    } else {
+        frame(planet, lens).to_map(centre_m).to_degrees()
+    };
     Lens {
+        lon_deg,
+        lat_deg,
         shape: LensShape::Circle {
             radius_m: millimetres(radius_m),
         },
@@ -259,7 +272,7 @@ mod tests {
         assert_eq!(corners(&hexagon).unwrap().len(), 6);
         let areas = [&circle, &hexagon].map(|l| area_m2(&l.shape));
         assert!((areas[0] / areas[1] - 1.0).abs() < 1e-6, "{areas:?}");
-        assert_eq!(as_circle(&hexagon), circle);
+        assert_eq!(as_circle(Planet::EARTH, &hexagon), circle);
         // None so small or large that it could not be taken or stored.
         for (radius_m, farthest_m) in [(0.0, 1.0), (1e10, 1e7)] {
             let lens = Lens {
@@ -334,5 +347,15 @@ mod tests {
             prop_assert!((there - DVec2::new(x, y)).length() < 0.1, "{}", there);
             prop_assert_eq!(&carried.shape, &lens.shape);
         }
+    }
+
+    #[test]
+    fn a_circle_lies_where_the_polygon_was_that_it_comes_from() {
+        let corners_m = SQUARE.map(|[east, north]| [east + 5000.0, north]);
+        let lens = polygon(7.0, 46.0, &corners_m);
+        let circle = as_circle(Planet::EARTH, &lens);
+        let at_m = frame(Planet::EARTH, &lens)
+            .from_map(MapPoint::from_degrees(circle.lon_deg, circle.lat_deg));
+        assert!((at_m - DVec2::new(5000.0, 0.0)).length() < 1e-3, "{at_m}");
     }
 }
