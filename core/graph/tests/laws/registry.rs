@@ -204,6 +204,7 @@ fn earthwork(height_m: f64) -> Arc<Earthwork> {
 /// Every node of the crate that needs no file.
 pub(crate) fn registry() -> Vec<Entry> {
     let mut all = of_heights();
+    all.extend(of_masks());
     all.extend(of_colours());
     all.extend(of_colour_detail());
     all
@@ -272,6 +273,65 @@ fn of_heights() -> Vec<Entry> {
     ]
 }
 
+/// Masks, and what they are made of.
+fn of_masks() -> Vec<Entry> {
+    const HEIGHT: &[Bands] = &[Bands::Height];
+    vec![
+        entry(
+            "range mask",
+            Arc::new(RangeMask::new(-0.5, 0.5, 0.3)),
+            HEIGHT,
+        ),
+        entry(
+            "disc mask",
+            Arc::new(DiscMask::new(
+                &Planet::EARTH,
+                MapPoint::from_degrees(10.0, 50.0),
+                2e6,
+                1e6,
+            )),
+            &[],
+        ),
+        entry(
+            "polygon mask",
+            Arc::new(PolygonMask::new(
+                &Planet::EARTH,
+                MapPoint::from_degrees(10.0, 50.0),
+                &[[-2e6, -1e6], [2.5e6, -1.5e6], [0.0, 0.5e6], [1e6, 2e6]],
+                1e6,
+            )),
+            &[],
+        ),
+        entry(
+            "mask product",
+            Arc::new(MaskProduct::new(2, true)),
+            &[Bands::Mask, Bands::Mask],
+        ),
+        entry("alpha mask", Arc::new(AlphaMask), &[Bands::Colour]),
+        entry(
+            "edge distances",
+            Arc::new(EdgeDistances::new(
+                Flat::warp(true, Planet::EARTH),
+                150_000.0,
+            )),
+            &[],
+        ),
+        entry(
+            "distances to an outline",
+            Arc::new(EdgeDistances::to_outline(
+                Flat::warp(true, Planet::EARTH),
+                150_000.0,
+            )),
+            &[],
+        ),
+        entry(
+            "outline mask",
+            Arc::new(OutlineMask::new(Flat::warp(true, Planet::EARTH))),
+            &[],
+        ),
+    ]
+}
+
 fn of_colours() -> Vec<Entry> {
     const COLOURS: &[Bands] = &[Bands::Colour, Bands::Colour];
     const MASKED: &[Bands] = &[Bands::Colour, Bands::Colour, Bands::Mask];
@@ -334,58 +394,6 @@ fn of_colours() -> Vec<Entry> {
             "colour of",
             Arc::new(Overlay::new(BlendMode::Colour, 1.0, false)),
             COLOURS,
-        ),
-        entry(
-            "range mask",
-            Arc::new(RangeMask::new(-0.5, 0.5, 0.3)),
-            HEIGHT,
-        ),
-        entry(
-            "disc mask",
-            Arc::new(DiscMask::new(
-                &Planet::EARTH,
-                MapPoint::from_degrees(10.0, 50.0),
-                2e6,
-                1e6,
-            )),
-            &[],
-        ),
-        entry(
-            "polygon mask",
-            Arc::new(PolygonMask::new(
-                &Planet::EARTH,
-                MapPoint::from_degrees(10.0, 50.0),
-                &[[-2e6, -1e6], [2.5e6, -1.5e6], [0.0, 0.5e6], [1e6, 2e6]],
-                1e6,
-            )),
-            &[],
-        ),
-        entry(
-            "mask product",
-            Arc::new(MaskProduct::new(2, true)),
-            &[Bands::Mask, Bands::Mask],
-        ),
-        entry("alpha mask", Arc::new(AlphaMask), &[Bands::Colour]),
-        entry(
-            "edge distances",
-            Arc::new(EdgeDistances::new(
-                Flat::warp(true, Planet::EARTH),
-                150_000.0,
-            )),
-            &[],
-        ),
-        entry(
-            "distances to an outline",
-            Arc::new(EdgeDistances::to_outline(
-                Flat::warp(true, Planet::EARTH),
-                150_000.0,
-            )),
-            &[],
-        ),
-        entry(
-            "outline mask",
-            Arc::new(OutlineMask::new(Flat::warp(true, Planet::EARTH))),
-            &[],
         ),
         entry("seam blend", seam_blend(3e6, false), COLOURS),
         entry("masked seam blend", seam_blend(3e6, true), MASKED),
