@@ -126,6 +126,15 @@ fn colours(engine: &mut Engine) -> Vec<Part> {
     colours.map(|(_, part)| part).collect()
 }
 
+/// Bytes in the cache after some steps of a drag.
+fn bytes_after(engine: &mut Engine, steps: core::ops::Range<u32>) -> usize {
+    for k in steps {
+        set_gamma(engine, 1.1 + 0.01 * f64::from(k));
+        settle(engine);
+    }
+    engine.stats().tiles.cache_bytes
+}
+
 const MIXED: [Blend; 4] = [Blend::Normal; 4];
 const LOOKING_DOWN: [Blend; 4] = [Blend::Normal, Blend::Multiply, Blend::Normal, Blend::Normal];
 
@@ -205,13 +214,6 @@ fn moments_of_a_drag_leave_nothing_behind_and_what_was_before_it_stays() {
     let mut engine = engine(MIXED);
     settle(&mut engine);
     engine.begin_drag();
-    let bytes_after = |engine: &mut Engine, steps: core::ops::Range<u32>| {
-        for k in steps {
-            set_gamma(engine, 1.1 + 0.01 * f64::from(k));
-            settle(engine);
-        }
-        engine.stats().tiles.cache_bytes
-    };
     let few = bytes_after(&mut engine, 0..3);
     let many = bytes_after(&mut engine, 3..20);
     assert_eq!(many, few);
@@ -238,13 +240,6 @@ fn what_only_a_moment_reads_is_forgotten_with_it() {
     engine.show_synthesised(true);
     settle(&mut engine);
     engine.begin_drag();
-    let bytes_after = |engine: &mut Engine, steps: core::ops::Range<u32>| {
-        for k in steps {
-            set_gamma(engine, 1.1 + 0.01 * f64::from(k));
-            settle(engine);
-        }
-        engine.stats().tiles.cache_bytes
-    };
     let few = bytes_after(&mut engine, 0..3);
     let many = bytes_after(&mut engine, 3..12);
     assert_eq!(many, few);
