@@ -201,6 +201,15 @@ pub(crate) fn compile(
     }
 }
 
+/// Which edge distances are measured to, and how many metres are enough.
+#[derive(Clone, Copy, Debug)]
+enum ToEdge {
+    /// Outline and holes.
+    Any(f64),
+    /// The outline alone.
+    Outline(f64),
+}
+
 /// The shown ground.
 #[derive(Clone, Copy)]
 struct Ground {
@@ -329,7 +338,7 @@ impl Compiler<'_> {
             self.planet
         );
         let node = self.nodes.get(&mut self.used, name, || {
-            Arc::new(FileSource::new(warp, kernel, scale, offset_m))
+            Arc::new(FileSource::new(warp, scale, offset_m))
         });
         Some(self.add(layer, node, &[]))
     }
@@ -373,28 +382,41 @@ impl Compiler<'_> {
             return Some(vec![base, top]);
         }
         let width_m = source.edge_fade_m;
-        let warp = self.warp(layer, file, source)?;
-        // Holes that are filled are no edges.
-        let filled = matches!(&layer.kind, LayerKind::Imagery(i) if i.missing.is_some());
         // A slider that widens the fade rarely asks for distances anew.
         let most_m = 2.0_f64.powi(width_m.log2().ceil() as i32).max(width_m);
-        let (file, kernel) = (address(file), source.resampling);
-        let name = format!("edge {filled} {most_m} {file} {kernel:?} {:?}", self.planet);
-        let node = self.same(name, || {
-            if filled {
-                EdgeDistances::to_outline(warp, most_m)
-            } else {
-                EdgeDistances::new(warp, most_m)
-            }
-        });
-        let distances = self.add(layer, node, &[]);
-        // Places are dear, and no slider changes them.
-        self.builder.cut(distances, SampleType::Height);
+        // Holes that are filled are no edges.
+        let filled = matches!(&layer.kind, LayerKind::Imagery(i) if i.missing.is_some());
+        let to = if filled {
+            ToEdge::Outline(most_m)
+        } else {
+            ToEdge::Any(most_m)
+        };
+        let distances = self.edge_distances(layer, file, source, to)?;
         let fade = self.same(format!("fade {width_m}"), || {
             RangeMask::new(width_m, f64::NAN, width_m)
         });
         let mask = self.add(layer, fade, &[distances]);
         Some(vec![base, top, mask])
+    }
+
+    /// Metres to where a file's data end, kept: places are dear, and no slider changes them.
+    fn edge_distances(
+        &mut self,
+        layer: &Layer,
+        file: &Arc<dyn RasterFile>,
+        source: &Source,
+        to: ToEdge,
+    ) -> Option<NodeIndex> {
+        let warp = self.warp(layer, file, source)?;
+        let (file, kernel) = (address(file), source.resampling);
+        let name = format!("edge {to:?} {file} {kernel:?} {:?}", self.planet);
+        let node = self.same(name, || match to {
+            ToEdge::Any(most_m) => EdgeDistances::new(warp, most_m),
+            ToEdge::Outline(most_m) => EdgeDistances::to_outline(warp, most_m),
+        });
+        let distances = self.add(layer, node, &[]);
+        self.builder.cut(distances, SampleType::Height);
+        Some(distances)
     }
 }
 

@@ -136,7 +136,7 @@ fn source(name: &str) -> Result<Arc<FileSource>, Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects/data");
     let file = open(&path.join(name), &OpenOptions::default())?;
     let warp = Arc::new(Warp::new(file, Planet::EARTH, Kernel::Bilinear)?);
-    Ok(Arc::new(FileSource::new(warp, Kernel::Bilinear, 1.0, 0.0)))
+    Ok(Arc::new(FileSource::new(warp, 1.0, 0.0)))
 }
 
 fn scene(pair: Pair, centre: MapPoint, reach_m: f64) -> Result<Scene, Box<dyn Error>> {

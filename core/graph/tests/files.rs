@@ -9,7 +9,6 @@ use flat::Flat;
 use relievo_graph::nodes::{Constant, EdgeDistances, FileSource, OverlayHeights, RangeMask};
 use relievo_graph::{Graph, GraphBuilder, ImageNode, Known, NodeIndex};
 use relievo_planet::{Grid, LevelKey, Planet, SampleRect, TileKey};
-use relievo_raster::kernel::Kernel;
 use relievo_raster::{Bands, Cancel, SampleType};
 
 /// The file, perhaps with holes, over a ground of 2 m, faded over `width_m`.
@@ -17,15 +16,7 @@ fn faded(holes: bool, width_m: f64) -> (Graph, NodeIndex) {
     let warp = Flat::warp(holes, Planet::EARTH);
     let mut b = GraphBuilder::default();
     let ground = b.add(Arc::new(Constant::height(2.0)), &[]);
-    let file = b.add(
-        Arc::new(FileSource::new(
-            Arc::clone(&warp),
-            Kernel::Bilinear,
-            1.0,
-            0.0,
-        )),
-        &[],
-    );
+    let file = b.add(Arc::new(FileSource::new(Arc::clone(&warp), 1.0, 0.0)), &[]);
     let distances = b.add(Arc::new(EdgeDistances::new(warp, width_m)), &[]);
     let mask = RangeMask::new(width_m, f64::NAN, width_m);
     let fade = b.add(Arc::new(mask), &[distances]);
@@ -48,7 +39,7 @@ fn grid_at(lon_deg: f64, lat_deg: f64) -> Grid {
 
 #[test]
 fn heights_are_scaled_and_there_are_none_beyond_the_file() {
-    let node = FileSource::new(Flat::warp(true, Planet::EARTH), Kernel::Bilinear, 2.0, 1.0);
+    let node = FileSource::new(Flat::warp(true, Planet::EARTH), 2.0, 1.0);
     assert!(
         node.known(&grid_at(-60.0, 0.0), &[])
             .is_absent(Bands::Height)
@@ -74,7 +65,7 @@ fn heights_are_scaled_and_there_are_none_beyond_the_file() {
 #[test]
 fn a_file_without_holes_is_complete_where_it_covers_a_grid_well() {
     let known = |holes: bool, lon_deg: f64, samples: i64| {
-        let node = FileSource::new(Flat::warp(holes, Planet::EARTH), Kernel::Bilinear, 1.0, 0.0);
+        let node = FileSource::new(Flat::warp(holes, Planet::EARTH), 1.0, 0.0);
         let grid = grid_at(lon_deg, 4.0);
         let at = grid.rect.min;
         let grid = grid.with_rect(SampleRect::at(at.x, at.y, samples, samples));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use relievo_graph::NodeIndex;
 use relievo_graph::nodes::{
     AlphaMask, BlendMode, ColourDetail, ColourDetailParams, ColourDetailSource, Constant,
-    ExampleAt, OutlineMask, Overlay, OverlayHeights, SeamBlend,
+    ExampleAt, Overlay, OverlayHeights, RangeMask, SeamBlend,
 };
 use relievo_project::{
     Blend, ColourDetail as ProjectDetail, DetailBy, ImageryLayer, Layer, LayerId, LayerKind,
@@ -13,7 +13,7 @@ use relievo_project::{
 };
 use relievo_raster::{RasterFile, SampleType};
 
-use super::{Compiler, Ground, address, level_of_step};
+use super::{Compiler, Ground, ToEdge, level_of_step};
 use crate::scene::Detail;
 use crate::sources::SourceState;
 
@@ -252,16 +252,12 @@ impl Compiler<'_> {
         let Some(missing) = imagery.missing else {
             return Some(top);
         };
-        let warp = self.warp(layer, file, &imagery.source)?;
         let [r, g, b] = missing.map(|v| f32::from(v) / 255.0);
         let none = self.add(layer, Arc::new(Constant::colour([0.0; 4])), &[]);
         let colour = self.add(layer, Arc::new(Constant::colour([r, g, b, 1.0])), &[]);
-        let (file, kernel) = (address(file), imagery.source.resampling);
-        let name = format!("outline {file} {kernel:?} {:?}", self.planet);
-        let outline = self.same(name, || OutlineMask::new(warp));
-        let outline = self.add(layer, outline, &[]);
-        // Places are dear, and no slider changes them.
-        self.builder.cut(outline, SampleType::Mask);
+        let distances = self.edge_distances(layer, file, &imagery.source, ToEdge::Outline(1.0))?;
+        let inside = RangeMask::new(f64::from(f32::MIN_POSITIVE), f64::NAN, 0.0);
+        let outline = self.add(layer, Arc::new(inside), &[distances]);
         let fill = Overlay::new(BlendMode::Normal, 1.0, true);
         let filled = self.add(layer, Arc::new(fill), &[none, colour, outline]);
         let over = Overlay::new(BlendMode::Normal, 1.0, false);

@@ -83,7 +83,7 @@ impl EdgeDistances {
 }
 
 /// Name of a file's data, of where they lie, and of how they are laid there.
-pub(super) fn place_name(warp: &Warp) -> ContentId {
+fn place_name(warp: &Warp) -> ContentId {
     let mut id = IdHasher::default();
     let planet = warp.planet();
     id.bytes(&warp.file().fingerprint())

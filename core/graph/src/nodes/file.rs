@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::I64Vec2;
 use relievo_planet::{Grid, GridCrs, SampleRect};
-use relievo_raster::kernel::Kernel;
 use relievo_raster::warp::{Coverage, Warp};
 use relievo_raster::{Bands, Block};
 
@@ -24,15 +23,14 @@ pub struct FileSource {
 }
 
 impl FileSource {
-    /// `kernel` is the one that `warp` was made with. `scale` and `offset_m` change heights only:
-    /// metres per unit of the file's values, and metres added; numbers that are not finite count
-    /// as 1 and 0.
-    pub fn new(warp: Arc<Warp>, kernel: Kernel, scale: f64, offset_m: f64) -> Self {
+    /// `scale` and `offset_m` change heights only: metres per unit of the file's values, and metres added;
+    /// numbers that are not finite count as 1 and 0.
+    pub fn new(warp: Arc<Warp>, scale: f64, offset_m: f64) -> Self {
         let scale = if scale.is_finite() { scale } else { 1.0 };
         let offset_m = if offset_m.is_finite() { offset_m } else { 0.0 };
         let mut id = IdHasher::default();
         id.bytes(&warp.file().fingerprint());
-        id.int(kernel.tag());
+        id.int(warp.kernel().tag());
         // The finest step stands for the planet that the file was laid on.
         id.float(scale)
             .float(offset_m)

@@ -8,8 +8,8 @@ use relievo_graph::nodes::{
     AddHeights, Adjust, AdjustParams, AlphaMask, BlendMode, ColourDetail, ColourDetailParams,
     ColourDetailSource, Constant, ContourLines, ContourStyle, Detail, DetailMethod, DetailParams,
     DiscMask, Earthwork, EdgeDistances, ExampleAt, HeightDifference, MaskProduct, Memory, Noise,
-    NoiseParams, Normals, OutlineMask, Overlay, OverlayHeights, PlacedElement, PolygonMask,
-    RangeMask, SeamBlend, SlopeAngle, Stop, Tint, Vector,
+    NoiseParams, Normals, Overlay, OverlayHeights, PlacedElement, PolygonMask, RangeMask,
+    SeamBlend, SlopeAngle, Stop, Tint, Vector,
 };
 use relievo_planet::{Grid, LevelKey, MapPoint, Planet, SampleRect};
 use relievo_raster::{Bands, Block};
@@ -322,11 +322,6 @@ fn of_masks() -> Vec<Entry> {
                 Flat::warp(true, Planet::EARTH),
                 150_000.0,
             )),
-            &[],
-        ),
-        entry(
-            "outline mask",
-            Arc::new(OutlineMask::new(Flat::warp(true, Planet::EARTH))),
             &[],
         ),
     ]
