@@ -56,17 +56,15 @@ impl Engine {
         if passing.is_empty() {
             return;
         }
-        let still = |cut: NodeIndex, key| {
-            let has = new.nodes().any(|node| node == cut) && new.cut_type(cut).is_some();
-            has.then(|| new.content_id(cut, key))
-        };
+        let stored: HashSet<NodeIndex> = new.cuts().collect();
         while let Some((node, key)) = tiles.pop() {
             for (cut, key) in old.dependencies(node, key) {
                 if !passing.contains(&cut) {
                     continue;
                 }
                 let id = old.content_id(cut, key);
-                if still(cut, key) != Some(id) && passed.insert(id) {
+                let stays = stored.contains(&cut) && new.content_id(cut, key) == id;
+                if !stays && passed.insert(id) {
                     tiles.push((cut, key));
                 }
             }
